@@ -1,0 +1,20 @@
+# Address and undefined-behaviour sanitizers; sourced by .ci/run. The module is built a second
+# time, into a second environment, and the tests that lean on it run there. GCC's runtimes are
+# preloaded because Python itself is built without them.
+
+sanitize() {
+  local compiler=${CXX:-c++} asan stdcpp
+  asan=$("$compiler" -print-file-name=libasan.so)
+  stdcpp=$("$compiler" -print-file-name=libstdc++.so.6)
+  [ -e "$asan" ] || { echo "$compiler has no libasan.so: use GCC (CXX=g++)" >&2; return 1; }
+  python3 -m venv .venv-asan &&
+    .venv-asan/bin/pip install -q '.[bench,dev]' \
+      --config-settings=build-dir=build/sanitize \
+      --config-settings=cmake.build-type=Debug \
+      --config-settings=install.strip=false \
+      --config-settings=cmake.define.FGENV_WERROR=ON \
+      --config-settings=cmake.define.FGENV_SANITIZE=ON &&
+    LD_PRELOAD="$asan $stdcpp" \
+      ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 PYTHONMALLOC=malloc \
+      .venv-asan/bin/pytest -q tests/test_{bad_input,edge_cases,feature_graph,fuzz,queries}.py
+}

@@ -1,0 +1,83 @@
+"""What happens during a journey, told as it happens: `report(event)` gets one of these."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from fgenv.collision import Contact
+from fgenv.planners import Clearance, Plan
+from fgenv.scenarios import Scene
+from fgenv.scenarios.planar import Floats
+
+Configuration = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MasksSet:
+    """A path was projected: its motion box (2, 3) and all masks by the body's name."""
+
+    time: float
+    path: Floats
+    motion_box: Floats
+    masks: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Hit:
+    """A first contact: when (s), of which pair, free just before and colliding just after.
+
+    `before` and `after` are configurations no point of the mover goes more than `bracket` metres
+    between; `seen` is the time of the step that noticed; `contact` tells feature edge and face.
+    """
+
+    time: float
+    seen: float
+    mover: str
+    body: str
+    before: Configuration
+    after: Configuration
+    bracket: float
+    contact: Contact
+
+
+@dataclass(frozen=True)
+class MasksCleared:
+    """The motion is over, the mover's bit is taken back."""
+
+    time: float
+    masks: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Replanned:
+    """A new path (n, 3) to the goal: `back_off` metres back the way it came, then the plan.
+
+    `clearance` is the proof that all of it is free.
+    """
+
+    time: float
+    path: Floats
+    back_off: float
+    plan: Plan
+    clearance: Clearance
+
+
+@dataclass(frozen=True)
+class Arrived:
+    """The mover stands at the end of its path."""
+
+    time: float
+    configuration: Configuration
+
+
+Event: TypeAlias = MasksSet | Hit | MasksCleared | Replanned | Arrived
+Report: TypeAlias = Callable[[Event], None]
+
+
+def silent(event: Event) -> None:
+    """A report that says nothing."""
+
+
+def masks_of(scene: Scene) -> dict[str, int]:
+    """The collision mask of each body by name."""
+    return {body.name: body.collision_mask for body in scene.bodies}

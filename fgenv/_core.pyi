@@ -1,0 +1,76 @@
+"""
+fgenv's native core. Use fgenv.collision, which documents what is here.
+"""
+
+from typing import Any
+
+from numpy import bool_, float64, int32, uint8
+from numpy.typing import ArrayLike, NDArray
+
+
+
+def isa() -> str:
+    """Name of the instruction set whose kernels are in use."""
+
+class FeatureGraph:
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, method: str, valley: float, ridge: float, tolerance: float) -> None: ...
+
+    @property
+    def points(self) -> NDArray[float64]: ...
+
+    @property
+    def edges(self) -> NDArray[int32]: ...
+
+    @property
+    def kind_codes(self) -> NDArray[uint8]: ...
+
+    @property
+    def adjacency(self) -> NDArray[uint8]: ...
+
+    @property
+    def certificate(self) -> float: ...
+
+class Shape:
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, method: str, valley: float, ridge: float, tolerance: float) -> None: ...
+
+    @property
+    def vertices(self) -> NDArray[float64]: ...
+
+    @property
+    def faces(self) -> NDArray[int32]: ...
+
+    @property
+    def bounds(self) -> NDArray[float64]: ...
+
+    @property
+    def watertight(self) -> bool: ...
+
+    @property
+    def radius(self) -> float: ...
+
+    @property
+    def repairs(self) -> dict[str, int]: ...
+
+    @property
+    def nbytes(self) -> int: ...
+
+    @property
+    def native_graph(self) -> FeatureGraph: ...
+
+def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.0, threads: int | None = None) -> Any:
+    pass
+
+def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
+    pass
+
+def nearest(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
+    pass
+
+def contact(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Any:
+    pass
+
+def contains(shape: Shape, points: ArrayLike, T: ArrayLike, threads: int | None = None) -> NDArray[bool_]:
+    pass
+
+def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
+    pass

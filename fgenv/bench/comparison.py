@@ -1,0 +1,210 @@
+"""What ``fgenv compare`` measures: the paper's claim, each method on the same real poses.
+
+The feature graphs (published, by crease, by tolerance, exact) against boxes, sphere, hull, grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.bench.catalogue import GYM, ROBOTS, TOOLBOX, Pair, Source
+from fgenv.bench.data import Mesh
+from fgenv.bench.poses import Poses, random_poses, random_rotations
+from fgenv.bench.timing import each_call
+from fgenv.bench.truth import Truth
+from fgenv.collision import Shape, collide
+from fgenv.collision.baselines import BASELINES, Baseline
+
+BLOCK = 20  # poses that a method is timed on before the next one's turn
+KITCHEN = "kitchen_franka/kitchen_assets/meshes"
+IRB140 = "xacro/abb_irb140_description/meshes/irb140/collision"
+
+PAIRS = (
+    Pair(
+        "so100 jaws",
+        Source(ROBOTS, "so_arm_description/meshes/so100/Fixed_Jaw.stl"),
+        Source(ROBOTS, "so_arm_description/meshes/so100/Moving_Jaw.stl"),
+    ),
+    Pair(
+        "wx200 arm, hinge handle",
+        Source(TOOLBOX, "xacro/trossen_descriptions/meshes/meshes_wx200/WXA-200-M-3-UA.stl", 1e-3),
+        Source(GYM, f"{KITCHEN}/hingehandle.stl"),
+    ),
+    Pair(
+        "pr2 shoulder, cabinet",
+        Source(ROBOTS, "pr2_description/meshes/shoulder_v0/shoulder_yaw.stl"),
+        Source(GYM, f"{KITCHEN}/hingecabinet.stl"),
+    ),
+    Pair(
+        "quadrotor, frame",
+        Source(ROBOTS, "hector_description/meshes/quadrotor/quadrotor_base.stl"),
+        Source(ROBOTS, "finger_edu_description/meshes/frame_wall.stl"),
+    ),
+    Pair(
+        "allegro link, pr2 laser",
+        Source(ROBOTS, "allegro_hand_description/meshes/link_14.0.STL"),
+        Source(ROBOTS, "pr2_description/meshes/tilting_laser_v0/hok_tilt.stl"),
+    ),
+    Pair(
+        "irb140 links",
+        Source(TOOLBOX, f"{IRB140}/link_1.stl"),
+        Source(TOOLBOX, f"{IRB140}/link_2.stl"),
+    ),
+)
+
+
+class Graphs:
+    """One of the feature-graph methods; a, the mover, is the first body.
+
+    `tests`: edges times faces of the whole walk as published, without a tree.
+    """
+
+    def __init__(self, a: Shape, b: Shape) -> None:
+        self._a, self._b = a, b
+        self.tests = len(a.graph.edges) * len(b.faces)
+        if a.method != "loop":  # both ways
+            self.tests += len(b.graph.edges) * len(a.faces)
+
+    def collides(self, Ta: Poses, Tb: Poses) -> bool:
+        """The verdict at two world poses (4, 4)."""
+        return bool(collide(self._a, Ta, self._b, Tb))
+
+
+def methods(a: Mesh, b: Mesh, tolerance: float) -> dict[str, Baseline]:
+    """Every method over one pair; `tolerance` in sizes of each body."""
+
+    def graphs(method: str) -> Graphs:
+        return Graphs(*(Shape(m.vertices, m.faces, method) for m in (a, b)))
+
+    bounded = (Shape(m.vertices, m.faces, tolerance=tolerance * m.size) for m in (a, b))
+    return {
+        "loop": graphs("loop"),
+        "crease": graphs("crease"),
+        "tolerance": Graphs(*bounded),
+        "exact": graphs("exact"),
+        **{name: kind(a, b) for name, kind in BASELINES.items()},
+    }
+
+
+@dataclass
+class Score:
+    """One method on some poses: verdicts (n,), tests and seconds of each query."""
+
+    verdicts: list[bool] = field(default_factory=list)
+    tests: list[int] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the table says of one method; ratios are None where they have no denominator."""
+
+    method: str
+    hits: int  # verdicts 'collision' that are right
+    false_hits: int
+    missed: int
+    tests: float  # mean a query
+    microseconds: float  # median of a single call
+
+    @property
+    def precision(self) -> float | None:
+        """Share of the reported collisions that are true."""
+        return _ratio(self.hits, self.false_hits)
+
+    @property
+    def recall(self) -> float | None:
+        """Share of the true collisions that are reported."""
+        return _ratio(self.hits, self.missed)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One pair: its truth and a row for each method."""
+
+    pair: str
+    triangles: tuple[int, int]
+    poses: int
+    hit_share: float
+    contained: int  # poses with a body inside the other, surfaces apart
+    rows: tuple[Row, ...]
+
+
+def compare_pairs(
+    count: int, seed: int, tolerance: float, pairs: Sequence[Pair] = PAIRS
+) -> Iterator[Outcome]:
+    """Measure pair after pair, `count` poses each; same seed, same poses."""
+    for k, pair in enumerate(pairs):
+        yield compare_pair(pair, count, np.random.default_rng((seed, k)), tolerance)
+
+
+def compare_pair(pair: Pair, count: int, rng: np.random.Generator, tolerance: float) -> Outcome:
+    """Every method on `count` seeded poses of `pair`, near contact, about 40 % of them hits."""
+    a, b = pair.a.load(), pair.b.load()
+    pose_a = np.eye(4)
+    pose_a[:3, :3], pose_a[:3, 3] = random_rotations(rng, 1)[0], rng.normal(size=3)
+    truth = Truth(a, b, pose_a)
+    poses = random_poses(a, b, pose_a, count, truth.collides, rng)
+    inside = np.array([not truth.touches(p) and truth.contains(p) for p in poses])
+    hits = inside | np.array([truth.touches(p) for p in poses])
+    scores = run(methods(a, b, tolerance), pose_a, poses)
+    rows = tuple(_row(name, score, hits) for name, score in scores.items())
+    triangles = len(a.faces), len(b.faces)
+    return Outcome(pair.name, triangles, count, float(hits.mean()), int(inside.sum()), rows)
+
+
+def run(racing: dict[str, Baseline], pose_a: Poses, poses: Poses) -> dict[str, Score]:
+    """All methods on all poses, in turns of a block; who begins changes from block to block."""
+    scores = {name: Score() for name in racing}
+    names = list(racing)
+    for turn, start in enumerate(range(0, len(poses), BLOCK)):
+        some, first = poses[start : start + BLOCK], turn % len(names)
+        for name in names[first:] + names[:first]:
+            _ask(racing[name], pose_a, some, scores[name])
+    return scores
+
+
+def _ask(method: Baseline, pose_a: Poses, poses: Poses, score: Score) -> None:
+    for pose in poses:
+        score.verdicts.append(method.collides(pose_a, pose))
+        score.tests.append(method.tests)
+    call: Callable[[Poses], bool] = lambda pose: method.collides(pose_a, pose)  # noqa: E731
+    score.seconds.extend(each_call(call, poses))
+
+
+def _row(name: str, score: Score, truth: NDArray[np.bool_]) -> Row:
+    said = np.array(score.verdicts, np.bool_)
+    return Row(
+        name,
+        int(np.sum(said & truth)),
+        int(np.sum(said & ~truth)),
+        int(np.sum(~said & truth)),
+        float(np.mean(score.tests)),
+        1e6 * float(np.median(score.seconds)),
+    )
+
+
+def over_all(outcomes: Sequence[Outcome]) -> list[Row]:
+    """One row a method: counts summed, tests and times as geometric means over the pairs."""
+    return [
+        Row(
+            rows[0].method,
+            sum(row.hits for row in rows),
+            sum(row.false_hits for row in rows),
+            sum(row.missed for row in rows),
+            _geometric_mean([row.tests for row in rows]),
+            _geometric_mean([row.microseconds for row in rows]),
+        )
+        for rows in zip(*(outcome.rows for outcome in outcomes), strict=True)
+    ]
+
+
+def _geometric_mean(values: Sequence[float]) -> float:
+    return float(np.exp(np.mean(np.log(np.maximum(values, 1e-12)))))
+
+
+def _ratio(hits: int, wrong: int) -> float | None:
+    return hits / (hits + wrong) if hits + wrong else None

@@ -1,0 +1,50 @@
+"""The interface of a peer. Poses come as NumPy float64 (4, 4) or (n, 4, 4), as a user has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.bench.data import Mesh
+
+Poses = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Checker:
+    """One pair of bodies in one library; body a stands still, b takes the poses."""
+
+    collide: Callable[[Poses], bool]  # (4, 4) -> verdict
+    collide_all: Callable[[Poses], NDArray[np.bool_]]  # (n, 4, 4) -> (n,)
+    distance_all: Callable[[Poses], NDArray[np.float64]] | None = None  # (n, 4, 4) -> (n,) metres
+    distance: Callable[[Poses], float] | None = None
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A library: `build` makes its model of a mesh, `pair` a checker of two models."""
+
+    name: str
+    version: str
+    truth: str  # what its verdict is about: meshes, hulls, edges in float
+    build: Callable[[Mesh], Any]
+    pair: Callable[[Any, Any, Poses], Checker]  # models of a and b, pose of a (4, 4)
+    nbytes: Callable[[Any], int] | None = None  # of a model; None: measured by process size
+
+    @property
+    def exact(self) -> bool:
+        """Whether its verdicts are about the triangles themselves."""
+        return self.truth == "meshes"
+
+
+def one_by_one(collide: Callable[[Poses], bool]) -> Callable[[Poses], NDArray[np.bool_]]:
+    """A batch for a library that has none: a Python loop."""
+
+    def collide_all(poses: Poses) -> NDArray[np.bool_]:
+        return np.fromiter((collide(pose) for pose in poses), np.bool_, len(poses))
+
+    return collide_all

@@ -1,0 +1,79 @@
+"""The `fgenv` command: one file a command; this one puts them together.
+
+Command modules import what is heavy (OMPL, plotting, peers) inside their functions, so that
+`fgenv --help` and tab completion answer at once.
+"""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from fgenv import __version__
+from fgenv.cli import bench, compare, run
+from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
+
+EPILOG = """
+[bold]Examples[/bold]
+  fgenv run three_tanks                   the published experiment
+  fgenv run three_tanks --mesh robot.stl  the same with your own robot
+  fgenv run three_tanks --json            for a machine to read
+  fgenv compare                           each method: how right, how fast
+  fgenv bench pairs                       race the other collision libraries
+  fgenv --install-completion              tab completion for your shell
+
+[bold]Exit codes[/bold]
+  0    done
+  1    it ran, and what it checks does not hold
+  2    wrong use or input; stderr says what, and the remedy
+  3    a mistake of fgenv itself (FGENV_DEBUG=1 shows the traceback)
+  130  interrupted
+"""
+
+app = typer.Typer(
+    name="fgenv",
+    help="Exact, fast collision detection by feature graphs, for environments of many robots.",
+    epilog=EPILOG,
+    invoke_without_command=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"fgenv {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    context: typer.Context,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+        raise typer.Exit(BAD_INPUT)
+
+
+app.command()(run.run)
+app.command()(compare.compare)
+app.command()(bench.bench)
+
+
+def main() -> None:
+    """Entry point of the console script; ends the process with an exit code."""
+    try:
+        # Not standalone: typer hands its errors on instead of printing them as boxes.
+        code = app(standalone_mode=False)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+    except Exception as error:  # the last place that can turn it into a readable line
+        sys.exit(report(error))
+    sys.exit(code)  # what typer.Exit carried, None if there was none

@@ -1,0 +1,82 @@
+"""``fgenv bench``: measurements against other libraries."""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fgenv.cli.options import Json, Seed
+
+
+class Race(StrEnum):
+    """What to measure."""
+
+    PAIRS = "pairs"
+
+
+def bench(
+    race: Annotated[Race, typer.Argument(help="pairs: mesh against mesh, query by query.")],
+    pairs: Annotated[
+        str, typer.Option("--pairs", help="all, quick, or part of a pair's name.")
+    ] = "all",
+    peers: Annotated[
+        str, typer.Option("--peers", help="Names with commas.", show_default="all installed")
+    ] = "",
+    poses: Annotated[int, typer.Option("--poses", min=10, help="Poses a pair.")] = 4000,
+    near: Annotated[
+        bool, typer.Option("--near", help="Only poses close to contact, the hardest ones.")
+    ] = False,
+    threads: Annotated[
+        bool, typer.Option("--threads/--no-threads", help="Also race two threads against one.")
+    ] = True,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", dir_okay=False, help="Draw the times to this file.")
+    ] = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Race fgenv against the other collision libraries on real meshes, same poses, one process.
+
+    Needs the bench extra: pip install "fgenv\\[bench]". The libraries take turns on small chunks
+    of poses; what is shown are medians over rounds, one thread unless a column says otherwise.
+    """
+    from rich.console import Console
+
+    from fgenv.bench.pairs import bench_pairs, machine, summary
+    from fgenv.bench.peers import peer, selected
+    from fgenv.bench.report import NOTE, peer_table, plot_times, ratio_table
+
+    console = Console(stderr=as_json)
+    names = selected(peers)
+    versions = {name: peer(name).version for name in names}
+    about = machine()
+    console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
+    console.print(f"Python {about['python']}, NumPy {about['numpy']}", highlight=False)
+    console.print(", ".join(f"{name} {version}" for name, version in versions.items()))
+    records = []
+    with console.status("loading meshes, drawing poses") as status:
+        for record in bench_pairs(
+            which=pairs, peers=names, poses=poses, seed=seed, near=near, threads=threads
+        ):
+            records.append(record)
+            console.print(peer_table(record))
+            status.update(f"{len(records)} pairs done")
+    overall = summary(records)
+    if overall:
+        console.print(ratio_table(records, overall))
+    console.print(NOTE)
+    if plot is not None:
+        plot_times(records, plot)
+    if as_json:
+        document = {
+            "machine": about,
+            "versions": versions,
+            "settings": {"poses": poses, "seed": seed, "near": near},
+            "pairs": records,
+            "summary": overall,
+        }
+        typer.echo(json.dumps(document, indent=1))

@@ -1,0 +1,25 @@
+"""Exact collision detection between meshes by feature graphs.
+
+    >>> from fgenv.collision import Shape, collide
+    >>> a, b = Shape.load("base.stl"), Shape.load("link.stl", scale=0.001)
+    >>> collide(a, Ta, b, Tb)          # poses (..., 4, 4), metres, broadcast
+
+Method: Ma Li, Wang Qiang et al., "A collision detection method based on the feature graph of
+objects" (feature points, feature graph, masks), made exact: see README, "How it works".
+"""
+
+from .graph import FeatureGraph
+from .queries import Contact, Nearest, collide, contact, distance, nearest
+from .shape import MeshWarning, Shape
+
+__all__ = [
+    "Contact",
+    "FeatureGraph",
+    "MeshWarning",
+    "Nearest",
+    "Shape",
+    "collide",
+    "contact",
+    "distance",
+    "nearest",
+]

@@ -1,0 +1,171 @@
+"""A shape: an immutable mesh with its feature graph and its tree."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fgenv import _core
+
+from .graph import FeatureGraph, settings
+
+IDENTITY = np.eye(4)
+
+
+class MeshWarning(UserWarning):
+    """What was repaired in a mesh, or that it has no inside; told once a shape."""
+
+
+class Shape(_core.Shape):
+    """A mesh ready for queries, shared by every body that has this form.
+
+    Vertices at equal positions become one; faces of zero area and repeated faces go; faces wound
+    against their neighbours are turned. What was done stands in `repairs` and is warned of once.
+    A watertight mesh is a solid: what is inside it collides. Any other is a surface.
+
+    Args:
+        vertices: (n, 3) finite, metres.
+        faces: (m, 3) whole numbers, vertex indices.
+        method: `exact` (default), `crease`, or `loop` (published, unsound, for comparison).
+        tolerance: metres: instead of a method, keep the borders of patches this thick; a contact
+            that is missed is no deeper than the sum of both shapes' tolerances.
+        angle: radians, for `crease` and `loop`; see `FeatureGraph`.
+        name: for messages.
+
+    Raises:
+        ValueError, TypeError: naming the argument, what came and what is wanted.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        method: str = "exact",
+        *,
+        tolerance: float | None = None,
+        angle: float | tuple[float, float] | None = None,
+        name: str = "",
+    ) -> None:
+        self.settings = settings(method, tolerance=tolerance, angle=angle)
+        self.name = name
+        super().__init__(vertices, faces, *self.settings)
+        self._report()
+
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        *,
+        scale: float = 1.0,
+        method: str = "exact",
+        tolerance: float | None = None,
+        angle: float | tuple[float, float] | None = None,
+        name: str | None = None,
+    ) -> Shape:
+        """Read a mesh file (STL, OBJ, PLY, OFF, GLB, DAE: what trimesh reads) as it stands.
+
+        Args:
+            path: the file; a scene's meshes become one, placed as the scene says.
+            scale: factor to metres, e.g. 0.001 for a file in millimetres.
+            name: the file's stem if left out.
+
+        Raises:
+            FileNotFoundError, ValueError: naming the file and the remedy.
+        """
+        from .files import read_mesh_file
+
+        vertices, faces = read_mesh_file(Path(path), scale)
+        label = Path(path).stem if name is None else name
+        try:
+            return cls(vertices, faces, method, tolerance=tolerance, angle=angle, name=label)
+        except ValueError as error:
+            if str(error).startswith(("vertices", "faces")):
+                raise ValueError(f"{path}: {error}") from None
+            raise
+
+    @property
+    def method(self) -> str:
+        """exact, crease, loop or tolerance."""
+        return self.settings.method
+
+    @cached_property
+    def graph(self) -> FeatureGraph:
+        """The feature graph, in the shape's frame."""
+        return FeatureGraph._of(self.native_graph, self.method)
+
+    def contains(
+        self, points: ArrayLike, T: ArrayLike | None = None, *, threads: int | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether points (..., 3) are inside the solid or on its surface, placed at T (..., 4, 4).
+
+        Inside means that the winding number is not 0. ValueError unless the mesh is watertight.
+        """
+        return _core.contains(self, points, IDENTITY if T is None else T, threads)
+
+    def raycast(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        T: ArrayLike | None = None,
+        max_distance: float = np.inf,
+        *,
+        threads: int | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        """First hits of rays on the surface, from either side.
+
+        Args:
+            origins, directions: (..., 3), world; a direction's length does not matter, but 0.
+            T: pose of the shape (..., 4, 4), the origin's if left out.
+            max_distance: metres.
+
+        Returns:
+            Distances in metres (inf: no hit) and face indices (-1: no hit), broadcast.
+        """
+        pose = IDENTITY if T is None else T
+        return _core.raycast(self, origins, directions, pose, max_distance, threads)
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}: " if self.name else ""
+        kind = "solid" if self.watertight else "surface"
+        return f"Shape({label}{len(self.faces)} faces, {kind}, {self.method})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (type(self), self.vertices, self.faces, tuple(self.settings), self.name)
+
+    def _report(self) -> None:
+        done = [f"{n} {what.replace('_', ' ')}" for what, n in self.repairs.items() if n]
+        label = f"mesh {self.name!r}" if self.name else "mesh"
+        if self.repairs["degenerate_faces"] or self.repairs["duplicate_faces"] or self.repairs["flipped_faces"]:
+            warnings.warn(f"{label} repaired: {', '.join(done)}", MeshWarning, stacklevel=4)
+        if not self.watertight:
+            warnings.warn(
+                f"{label} is not watertight: its closed shells are solid, the rest is a surface",
+                MeshWarning,
+                stacklevel=4,
+            )
+
+
+def _rebuild(
+    cls: type[Shape],
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    chosen: tuple[str, float, float, float],
+    name: str,
+) -> Shape:
+    """Unpickle: the mesh is already repaired and reported."""
+    method, valley, ridge, tolerance = chosen
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MeshWarning)
+        return cls(
+            vertices,
+            faces,
+            method,
+            tolerance=tolerance if method == "tolerance" else None,
+            angle=(valley, ridge) if method in ("crease", "loop") else None,
+            name=name,
+        )

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace fgenv {
+
+void bind_shape(nanobind::module_& m);
+void bind_queries(nanobind::module_& m);
+
+}  // namespace fgenv

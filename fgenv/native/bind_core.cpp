@@ -1,0 +1,10 @@
+#include "bind.h"
+#include "kernels.h"
+
+NB_MODULE(_core, m) {
+    m.doc() = "fgenv's native core. Use fgenv.collision, which documents what is here.";
+    fgenv::kernels();  // a bad FGENV_ISA is told at import
+    m.def("isa", &fgenv::kernels_name, "Name of the instruction set whose kernels are in use.");
+    fgenv::bind_shape(m);
+    fgenv::bind_queries(m);
+}

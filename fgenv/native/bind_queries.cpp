@@ -1,0 +1,242 @@
+// Queries: arrays in, arrays out, the loop over poses in parallel.
+#include "bind.h"
+
+#include "arrays.h"
+#include "kernels.h"
+#include "parallel.h"
+
+namespace fgenv {
+namespace {
+
+using namespace nb::literals;
+
+int threads_of(nb::handle value) {
+    if (value.is_none()) return 0;
+    int n = 0;
+    if (!nb::try_cast(value, n) || n < 1 || n > 4096)
+        throw nb::value_error("threads: wanted a whole number from 1 to 4096, or None for all cores");
+    return n;
+}
+
+double margin_of(double margin) {
+    if (!(margin >= 0) || std::isinf(margin))
+        throw nb::value_error(("margin: " + std::to_string(margin) + ", wanted metres, 0 or more").c_str());
+    return margin;
+}
+
+bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
+    const Rigid pose = relative(ta, tb);
+    if (kernels().collide(a, b, pose, nullptr)) return true;
+    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
+}
+
+nb::object collide(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, double margin,
+                   nb::handle threads) {
+    const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
+    margin_of(margin);
+    const int n_threads = threads_of(threads);
+    if (ta.single() && tb.single()) {
+        const bool hit = hits(a, ta.items[0], b, tb.items[0], margin);
+        return nb::cast(hit);
+    }
+    const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
+    Output<bool> out = make_output<bool>(shape.dims);
+    parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i)
+            out.data[i] = hits(a, ta.items[shape.offset(0, i)], b, tb.items[shape.offset(1, i)], margin);
+    });
+    return nb::cast(out.array);
+}
+
+Nearest nearest_pair(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
+    return kernels().nearest(a, b, relative(ta, tb), HUGE_VAL, false);
+}
+
+double distance_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
+    const Rigid pose = relative(ta, tb);
+    if (kernels().collide(a, b, pose, nullptr)) return 0;
+    return std::sqrt(kernels().nearest(a, b, pose, HUGE_VAL, false).squared);
+}
+
+nb::object distance(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, nb::handle threads) {
+    const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
+    const int n_threads = threads_of(threads);
+    if (ta.single() && tb.single()) return nb::cast(distance_of(a, ta.items[0], b, tb.items[0]));
+    const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
+    Output<double> out = make_output<double>(shape.dims);
+    parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i)
+            out.data[i] = distance_of(a, ta.items[shape.offset(0, i)], b, tb.items[shape.offset(1, i)]);
+    });
+    return nb::cast(out.array);
+}
+
+Vec3 face_normal(const Shape& s, int32_t face) { return unit(area_vector(s.mesh, face)); }
+
+struct ContactInfo {
+    bool hit = false;
+    Vec3 point{0, 0, 0}, normal{0, 0, 0};  // world; the normal points from b to a
+    Vec3 edge[2];
+    bool has_edge = false, edge_of_a = false;
+    int32_t face = -1;
+};
+
+// Where the line pq meets the plane of face f; the middle of what is in it if it is in the plane.
+Vec3 crossing_point(Vec3 p, Vec3 q, const Vec3 f[3]) {
+    const Vec3 n = cross(f[1] - f[0], f[2] - f[0]);
+    const double hp = dot(n, p - f[0]), hq = dot(n, q - f[0]);
+    if (hp == hq) {
+        // In the plane: the part of pq inside the face's three sides.
+        double lo = 0, hi = 1;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 outward = cross(f[(k + 1) % 3] - f[k], n);
+            const double op = dot(outward, p - f[k]), oq = dot(outward, q - f[k]);
+            if (op == oq) continue;
+            const double at = op / (op - oq);
+            if (oq > op) hi = lesser(hi, at);
+            else lo = greater(lo, at);
+        }
+        return p + 0.5 * (lesser(greater(lo, 0), 1) + lesser(greater(hi, 0), 1)) * (q - p);
+    }
+    return p + lesser(greater(hp / (hp - hq), 0.0), 1.0) * (q - p);
+}
+
+ContactInfo contact_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
+    const Rigid pose = relative(ta, tb);
+    Witness w;
+    ContactInfo out;
+    out.hit = kernels().collide(a, b, pose, &w);
+    if (!out.hit) return out;
+    if (w.side == Witness::a_inside_b || w.side == Witness::b_inside_a) {
+        out.point = apply(w.side == Witness::a_inside_b ? ta : tb, w.point);
+        const Nearest way = nearest_pair(a, ta, b, tb);  // the shortest way out, for either
+        out.normal = unit(rotate(ta, way.on_b - way.on_a));
+        return out;
+    }
+    const auto corner = [](const Shape& s, const Rigid& t, int32_t face, int k) {
+        return apply(t, s.mesh.vertices[s.mesh.faces[face][k]]);
+    };
+    out.has_edge = true;
+    out.edge_of_a = w.side != Witness::edge_of_b;
+    const Shape &mover = out.edge_of_a ? a : b, &target = out.edge_of_a ? b : a;
+    const Rigid &t_mover = out.edge_of_a ? ta : tb, &t_target = out.edge_of_a ? tb : ta;
+    out.face = out.edge_of_a ? w.face_b : w.face_a;
+    for (int k = 0; k < 2; ++k)
+        out.edge[k] = w.side == Witness::chord_of_a
+                          ? apply(ta, a.mesh.vertices[a.graph.points[a.graph.edges[w.edge][k]]])
+                          : corner(mover, t_mover, out.edge_of_a ? w.face_a : w.face_b, (w.edge + k) % 3);
+    const Vec3 f[3] = {corner(target, t_target, out.face, 0), corner(target, t_target, out.face, 1),
+                       corner(target, t_target, out.face, 2)};
+    out.point = crossing_point(out.edge[0], out.edge[1], f);
+    const Vec3 n = rotate(t_target, face_normal(target, out.face));
+    out.normal = out.edge_of_a ? n : -1.0 * n;
+    return out;
+}
+
+nb::tuple tuple_of(Vec3 p) { return nb::make_tuple(p.x, p.y, p.z); }
+
+nb::object contact(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb) {
+    const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
+    if (!ta.single() || !tb.single())
+        throw nb::value_error("Ta, Tb: contact takes one pose each, shape (4, 4); use collide for arrays");
+    const ContactInfo c = contact_of(a, ta.items[0], b, tb.items[0]);
+    if (!c.hit) return nb::none();
+    nb::object edge = nb::none();
+    if (c.has_edge) edge = nb::make_tuple(tuple_of(c.edge[0]), tuple_of(c.edge[1]));
+    return nb::make_tuple(tuple_of(c.point), tuple_of(c.normal), edge, c.face, c.edge_of_a);
+}
+
+nb::object nearest(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, nb::handle threads) {
+    const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
+    const int n_threads = threads_of(threads);
+    const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
+    Output<double> d = make_output<double>(shape.dims), pa = make_output<double>(shape.dims, {3}),
+                   pb = make_output<double>(shape.dims, {3}), n = make_output<double>(shape.dims, {3});
+    const auto put = [](double* row, Vec3 p) {
+        row[0] = p.x;
+        row[1] = p.y;
+        row[2] = p.z;
+    };
+    parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) {
+            const Rigid &at = ta.items[shape.offset(0, i)], &bt = tb.items[shape.offset(1, i)];
+            const ContactInfo c = contact_of(a, at, b, bt);
+            if (c.hit) {
+                d.data[i] = 0;
+                put(pa.data + 3 * i, c.point);
+                put(pb.data + 3 * i, c.point);
+                put(n.data + 3 * i, c.normal);
+                continue;
+            }
+            const Nearest near = nearest_pair(a, at, b, bt);
+            d.data[i] = std::sqrt(near.squared);
+            put(pa.data + 3 * i, apply(at, near.on_a));
+            put(pb.data + 3 * i, apply(at, near.on_b));
+            put(n.data + 3 * i, unit(rotate(at, near.on_a - near.on_b)));
+        }
+    });
+    return nb::make_tuple(d.array, pa.array, pb.array, n.array);
+}
+
+nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle threads) {
+    if (!s.mesh.watertight)
+        throw nb::value_error("contains: the mesh is not watertight, it has no inside; close its borders");
+    const Array<double> p = points(points_, "points");
+    const Poses t = poses(T, "T");
+    const Dims rows(p.dims.begin(), p.dims.end() - 1);
+    const Broadcast shape = broadcast({{"points", rows}, {"T", t.dims}});
+    std::vector<Rigid> inverses;
+    for (const Rigid& item : t.items) inverses.push_back(inverse(item));
+    Output<bool> out = make_output<bool>(shape.dims);
+    parallel_for(shape.size, threads_of(threads), [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) {
+            const double* row = p.data() + 3 * shape.offset(0, i);
+            bool touching = false;
+            const Vec3 local = apply(inverses[shape.offset(1, i)], {row[0], row[1], row[2]});
+            out.data[i] = kernels().winding(s, local, touching) != 0 || touching;
+        }
+    });
+    return nb::cast(out.array);
+}
+
+nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T,
+                   double max_distance, nb::handle threads) {
+    const Array<double> o = points(origins, "origins"), d = points(directions, "directions");
+    const Poses t = poses(T, "T");
+    if (!(max_distance >= 0)) throw nb::value_error("max_distance: wanted metres, 0 or more");
+    const Dims o_rows(o.dims.begin(), o.dims.end() - 1), d_rows(d.dims.begin(), d.dims.end() - 1);
+    for (size_t i = 0; i < d.view.size(); i += 3)
+        if (d.data()[i] == 0 && d.data()[i + 1] == 0 && d.data()[i + 2] == 0)
+            throw nb::value_error(("directions: row " + std::to_string(i / 3) + " has length 0").c_str());
+    const Broadcast shape = broadcast({{"origins", o_rows}, {"directions", d_rows}, {"T", t.dims}});
+    std::vector<Rigid> inverses;
+    for (const Rigid& item : t.items) inverses.push_back(inverse(item));
+    Output<double> at = make_output<double>(shape.dims);
+    Output<int32_t> face = make_output<int32_t>(shape.dims);
+    parallel_for(shape.size, threads_of(threads), [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) {
+            const double* p = o.data() + 3 * shape.offset(0, i);
+            const double* v = d.data() + 3 * shape.offset(1, i);
+            const Rigid& pose = inverses[shape.offset(2, i)];
+            const RayHit hit = kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}),
+                                                 rotate(pose, unit({v[0], v[1], v[2]})), max_distance);
+            at.data[i] = hit.distance;
+            face.data[i] = hit.face;
+        }
+    });
+    return nb::make_tuple(at.array, face.array);
+}
+
+}  // namespace
+
+void bind_queries(nb::module_& m) {
+    m.def("collide", &collide, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "margin"_a = 0.0, "threads"_a = nb::none());
+    m.def("distance", &distance, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "threads"_a = nb::none());
+    m.def("nearest", &nearest, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "threads"_a = nb::none());
+    m.def("contact", &contact, "a"_a, "Ta"_a, "b"_a, "Tb"_a);
+    m.def("contains", &contains, "shape"_a, "points"_a, "T"_a, "threads"_a = nb::none());
+    m.def("raycast", &raycast, "shape"_a, "origins"_a, "directions"_a, "T"_a, "max_distance"_a,
+          "threads"_a = nb::none());
+}
+
+}  // namespace fgenv

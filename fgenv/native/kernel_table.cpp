@@ -1,0 +1,14 @@
+#include "kernels.h"
+
+namespace fgenv::FGENV_ISA {
+
+bool collide(const Shape& a, const Shape& b, const Rigid& pose, Witness* witness);
+Nearest nearest(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any);
+RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance);
+int winding(const Shape& s, Vec3 p, bool& touching);
+int32_t segment(const Shape& s, Vec3 p, Vec3 q);
+
+extern const Kernels table;
+const Kernels table = {collide, nearest, raycast, winding, segment};
+
+}  // namespace fgenv::FGENV_ISA

@@ -1,0 +1,47 @@
+// The queries, one table of functions an instruction set.
+#pragma once
+
+#include <cstddef>
+
+#include "shape.h"
+
+namespace fgenv {
+
+// What shows a collision. With an edge: edge (k, k + 1) of a face, or chord k of a's loop, meets the
+// other shape's face. Without: a point of one shape's part is inside the other.
+struct Witness {
+    enum Side : uint8_t { none, edge_of_a, edge_of_b, chord_of_a, a_inside_b, b_inside_a };
+    Side side = none;
+    int32_t face_a = -1, face_b = -1;
+    int32_t edge = -1;
+    Vec3 point{0, 0, 0};  // containment: in the frame of the shape that is inside
+};
+
+struct Nearest {
+    double squared;       // of the distance
+    Vec3 on_a, on_b;      // in a's frame
+    int32_t face_a, face_b;
+};
+
+struct RayHit {
+    double distance;  // in units of the direction's length; infinite: no hit
+    int32_t face;
+};
+
+// Poses are b's in a's frame.
+struct Kernels {
+    bool (*collide)(const Shape& a, const Shape& b, const Rigid& pose, Witness* witness);
+    // The nearest pair of points of the two surfaces that is closer than sqrt(bound); face_a < 0 if
+    // there is none. With any = true the first pair found within the bound.
+    Nearest (*nearest)(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any);
+    RayHit (*raycast)(const Shape& shape, Vec3 origin, Vec3 direction, double max_distance);
+    // Winding number of the closed shells around p; `touching` is set if p is on one of them.
+    int (*winding)(const Shape& shape, Vec3 p, bool& touching);
+    // First face found that segment pq meets, -1 if none.
+    int32_t (*segment)(const Shape& shape, Vec3 p, Vec3 q);
+};
+
+const Kernels& kernels();        // the table in use
+const char* kernels_name();      // "v3", "baseline"
+
+}  // namespace fgenv

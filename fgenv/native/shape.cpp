@@ -1,0 +1,87 @@
+#include "shape.h"
+
+#include <algorithm>
+
+#include "disjoint_sets.h"
+
+namespace fgenv {
+namespace {
+
+// Component of each vertex: of the surface, or of the feature graph where that keeps only a part of
+// the edges (a bump of one patch may stick out of a solid that holds the rest).
+std::vector<int32_t> vertex_components(const Mesh& mesh, const FeatureGraph& graph, int32_t& count) {
+    DisjointSets surface(mesh.vertices.size()), kept(mesh.vertices.size());
+    for (size_t i = 0; i < mesh.edges.size(); ++i) {
+        surface.join(mesh.edges[i].a, mesh.edges[i].b);
+        if (graph.kept[i]) kept.join(mesh.edges[i].a, mesh.edges[i].b);
+    }
+    std::vector<int32_t> label;
+    if (graph.settings.method == Method::exact) {
+        count = surface.label(label);
+        return label;
+    }
+    std::vector<uint8_t> on_graph(mesh.vertices.size(), 0), has_graph(mesh.vertices.size(), 0);
+    for (int32_t v : graph.points) on_graph[v] = has_graph[surface.root(v)] = 1;
+    count = kept.label(label);
+    for (size_t v = 0; v < label.size(); ++v)  // a surface without a feature is asked at one vertex
+        if (!on_graph[v] &&
+            (has_graph[surface.root(static_cast<int32_t>(v))] || surface.root(static_cast<int32_t>(v)) != static_cast<int32_t>(v)))
+            label[v] = -1;
+    return label;
+}
+
+std::vector<Part> find_parts(const Mesh& mesh, const FeatureGraph& graph) {
+    int32_t count = 0;
+    const std::vector<int32_t> label = vertex_components(mesh, graph, count);
+    std::vector<Part> parts(count);
+    std::vector<uint8_t> seen(count, 0);
+    for (size_t v = 0; v < label.size(); ++v) {
+        if (label[v] < 0) continue;
+        Part& part = parts[label[v]];
+        const Vec3 p = mesh.vertices[v];
+        if (!seen[label[v]]) part.fill(p);
+        seen[label[v]] = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (coordinate(p, axis) < coordinate(part[2 * axis], axis)) part[2 * axis] = p;
+            if (coordinate(p, axis) > coordinate(part[2 * axis + 1], axis)) part[2 * axis + 1] = p;
+        }
+    }
+    size_t n = 0;
+    for (size_t i = 0; i < parts.size(); ++i)
+        if (seen[i]) parts[n++] = parts[i];
+    parts.resize(n);
+    return parts;
+}
+
+template <class T>
+size_t bytes(const std::vector<T>& v) {
+    return v.capacity() * sizeof(T);
+}
+
+}  // namespace
+
+Shape build_shape(Mesh mesh, const GraphSettings& settings) {
+    Shape shape;
+    shape.graph = build_graph(mesh, settings);
+    shape.tree = build_tree(mesh, shape.graph);
+    shape.parts = find_parts(mesh, shape.graph);
+    shape.solid = std::find(mesh.closed.begin(), mesh.closed.end(), 1) != mesh.closed.end();
+    for (const Vec3& p : mesh.vertices) shape.radius = std::max(shape.radius, norm(p));
+    shape.mesh = std::move(mesh);
+    // What only the build needed.
+    shape.graph.kept = {};
+    shape.mesh.edges = {};
+    shape.mesh.shell = {};
+    shape.tree.nodes.shrink_to_fit();
+    shape.tree.oriented.shrink_to_fit();
+    shape.tree.leaves.shrink_to_fit();
+    return shape;
+}
+
+size_t memory_bytes(const Shape& s) {
+    return sizeof(Shape) + bytes(s.mesh.vertices) + bytes(s.mesh.faces) + bytes(s.mesh.closed) +
+           bytes(s.graph.points) + bytes(s.graph.edges) + bytes(s.graph.kinds) +
+           bytes(s.tree.nodes) + bytes(s.tree.oriented) + bytes(s.tree.leaves) + bytes(s.parts);
+}
+
+}  // namespace fgenv

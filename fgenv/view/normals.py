@@ -1,0 +1,55 @@
+"""Normals for shading: round where a surface is round, sharp at its edges."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def normal_maps(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> Floats:
+    """For each face a matrix (m, 3, 4): times (x, y, z, 1) of a point on it, the normal there.
+
+    The normal, not of unit length, runs linearly between those of `corner_normals`.
+    """
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.maximum(np.einsum("mi,mi->m", normal, normal), 1e-300)[:, None]
+    # Barycentric weights are linear too: w_b(p) = grad_b . (p - a), w_a = 1 - w_b - w_c.
+    grad_b, grad_c = np.cross(c - a, normal) / area, np.cross(normal, b - a) / area
+    weights = np.zeros((len(faces), 3, 4))
+    weights[:, 1, :3], weights[:, 2, :3] = grad_b, grad_c
+    weights[:, 1:, 3] = -np.einsum("mki,mi->mk", weights[:, 1:, :3], a)
+    weights[:, 0] = -weights[:, 1] - weights[:, 2]
+    weights[:, 0, 3] += 1.0
+    normals = corner_normals(vertices, faces, smooth)
+    return np.asarray(np.einsum("mki,mkj->mij", normals, weights))
+
+
+def corner_normals(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> Floats:
+    """A unit normal for each corner of each face, (m, 3, 3).
+
+    It is the mean, by area, of the faces at that vertex that bend less than `smooth` (rad) from
+    the corner's own face.
+    """
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    weighted = np.cross(b - a, c - a)
+    unit = weighted / np.maximum(np.linalg.norm(weighted, axis=1, keepdims=True), 1e-300)
+    here, there = _corners_that_share_a_vertex(faces.ravel())
+    close = np.einsum("ni,ni->n", unit[here // 3], unit[there // 3]) > np.cos(smooth)
+    total = np.zeros((faces.size, 3))
+    np.add.at(total, here[close], weighted[there[close] // 3])
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.asarray((total / np.maximum(length, 1e-300)).reshape(-1, 3, 3))
+
+
+def _corners_that_share_a_vertex(
+    vertex: NDArray[np.integer],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All ordered pairs (here, there) of corners at one vertex, a corner with itself included."""
+    order = np.argsort(vertex, kind="stable")
+    _, first, count = np.unique(vertex[order], return_index=True, return_counts=True)
+    many = np.repeat(count, count)  # for each corner in order: how many share its vertex
+    here = np.repeat(order, many)
+    begin = np.repeat(np.repeat(first, count), many)
+    run = np.arange(len(here)) - np.repeat(np.cumsum(many) - many, many)
+    return here, order[begin + run]

@@ -1,0 +1,38 @@
+"""Colours that people with colour-blindness can tell apart (Okabe and Ito, 2008)."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Color: TypeAlias = tuple[float, float, float]  # sRGB, 0 to 1
+
+
+def _hex(code: str) -> Color:
+    red, green, blue = (int(code[i : i + 2], 16) / 255 for i in (0, 2, 4))
+    return red, green, blue
+
+
+BLACK = _hex("000000")
+ORANGE = _hex("E69F00")
+SKY = _hex("56B4E9")
+GREEN = _hex("009E73")
+YELLOW = _hex("F0E442")
+BLUE = _hex("0072B2")
+VERMILION = _hex("D55E00")
+PURPLE = _hex("CC79A7")
+INK = _hex("26303A")
+STEEL = _hex("B9C0C7")
+WHITE = _hex("FFFFFF")
+
+
+def to_linear(srgb: ArrayLike) -> NDArray[np.float64]:
+    """sRGB values (0 to 1) as linear light, which is what is added and multiplied."""
+    c = np.asarray(srgb, dtype=np.float64)
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def to_srgb(linear: ArrayLike) -> NDArray[np.float64]:
+    """Linear light as sRGB values, cut to 0 to 1."""
+    c = np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0)
+    return np.where(c <= 0.0031308, c * 12.92, 1.055 * c ** (1 / 2.4) - 0.055)

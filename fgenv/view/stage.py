@@ -1,0 +1,100 @@
+"""Setting up a picture: bodies with their outlines, cameras that see what matters."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.collision import FeatureGraph, Shape
+from fgenv.scenarios import Body
+from fgenv.view.camera import Camera
+from fgenv.view.palette import INK, STEEL, Color
+from fgenv.view.picture import Picture
+from fgenv.view.surfaces import Floor, Solid
+
+Floats = NDArray[np.float64]
+OUTLINE = 0.5  # rad: edges that bend more are drawn as outlines
+
+
+def placed(points: Floats, pose: Floats) -> Floats:
+    """Points (..., 3) of a body's frame in the world."""
+    return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
+
+
+def outline(shape: Shape) -> Floats:
+    """The sharp edges of a shape as segments (n, 2, 3) in its frame."""
+    graph = FeatureGraph(shape.vertices, shape.faces, method="crease", angle=OUTLINE)
+    return np.asarray(graph.points[graph.edges])
+
+
+def stage(
+    bodies: Sequence[Body],
+    camera: Camera,
+    colors: Mapping[str, Color],
+    *,
+    extra: Sequence[Solid] = (),
+    grid: float = 1.0,
+    samples: int = 3,
+) -> Picture:
+    """A picture of bodies where they stand, with outlines, in the colours of their names."""
+    solids = [Solid(b.shape, b.pose, colors.get(b.name, STEEL)) for b in bodies]
+    picture = Picture(camera, [*solids, *extra], floor=Floor(grid=grid), samples=samples)
+    for body in bodies:
+        picture.segments(placed(outline(body.shape), body.pose), INK, width=0.7)
+    return picture
+
+
+def portrait(body: Body, width: int, height: int, azimuth: float = -0.85) -> Camera:
+    """A camera that sees the whole body from `azimuth` (rad about z), a little from above."""
+    low, high = body.bounds
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    box, size = low + corners * (high - low), float(np.linalg.norm(high - low))
+    for distance in size * np.linspace(1.0, 4.0, 61):
+        camera = _aimed((low + high) / 2, distance, azimuth, 0.42, 0.5, width, height)
+        pixels, depth = camera.project(box)
+        edge = 0.06 * height
+        inside = (pixels > edge) & (pixels < np.array([width, height]) - edge)
+        if (depth > 0).all() and inside.all():
+            break
+    return camera
+
+
+def close_up(
+    point: Floats, solids: Sequence[Solid], distance: float, width: int, height: int
+) -> Camera:
+    """A camera near a point (3,), where the fewest solids stand between."""
+    views = [(a, e) for e in (0.3, 0.6, 0.15) for a in np.linspace(-np.pi, np.pi, 24, False)]
+    cameras = [_aimed(point, distance, a, e, 0.5, width, height) for a, e in views]
+    free = [_sight(point, camera, solids) for camera in cameras]
+    return cameras[int(np.argmax(free))]
+
+
+def _sight(point: Floats, camera: Camera, solids: Sequence[Solid]) -> float:
+    """How much of a small bundle of sight lines from the point to the eye is free, 0 to 1."""
+    toward = np.array(camera.eye) - point
+    length = float(np.linalg.norm(toward))
+    side = camera.axes[:2] * (0.03 * length)
+    spread = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0)]) @ side
+    ends = np.array(camera.eye) + spread
+    rays = (ends - point) / np.linalg.norm(ends - point, axis=1, keepdims=True)
+    origins = point + 0.02 * length * rays
+    blocked = np.zeros(len(rays), dtype=bool)
+    for solid in solids:
+        blocked |= solid.hits(origins, rays)[0] < length
+    return 1.0 - float(blocked.mean())
+
+
+def _aimed(
+    target: Floats,
+    distance: float,
+    azimuth: float,
+    elevation: float,
+    fov: float,
+    width: int,
+    height: int,
+) -> Camera:
+    flat = np.cos(elevation)
+    away = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
+    x, y, z = (target + distance * away).tolist()
+    tx, ty, tz = target.tolist()
+    return Camera((x, y, z), (tx, ty, tz), fov, width, height)

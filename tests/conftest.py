@@ -1,0 +1,16 @@
+"""What all tests share: quiet, repeatable hypothesis; the instruction sets to run under."""
+
+from __future__ import annotations
+
+import os
+
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "fgenv",
+    deadline=None,  # the machine may be busy
+    derandomize=True,  # same seed, same result, for tests as well
+    max_examples=int(os.environ.get("FGENV_FUZZ_EXAMPLES", "60")),
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("fgenv")
