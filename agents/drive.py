@@ -57,19 +57,19 @@ def drive(
     masks = MasksSet(start, q, box, masks_of(scene))
     report(masks)
     hit, tests, last, steps = None, 0, 0.0, 0
-    for tick, now in zip(ticks.tolist(), follower.at(ticks), strict=True):
-        pairs = [body for body in scene.obstacles if must_test(mover, body)]
-        tests, steps = tests + len(pairs), steps + 1
-        touched = [body for body in pairs if _touches(mover, now, body)]
-        if touched:
-            hit = min(
-                (_first_contact(mover, b, follower, last, tick, start) for b in touched),
-                key=lambda event: event.time,
-            )
-            report(hit)
-            break
-        mover.configuration, last = _triple(now), tick
-    clear_masks(mover, scene.obstacles)
+    try:
+        for tick, now in zip(ticks.tolist(), follower.at(ticks), strict=True):
+            pairs = [body for body in scene.obstacles if must_test(mover, body)]
+            tests, steps = tests + len(pairs), steps + 1
+            touched = [body for body in pairs if _touches(mover, now, body)]
+            if touched:
+                hits = [_first_contact(mover, b, follower, last, tick, start) for b in touched]
+                hit = min(hits, key=lambda event: event.time)
+                report(hit)
+                break
+            mover.configuration, last = _triple(now), tick
+    finally:
+        clear_masks(mover, scene.obstacles)
     end = start + follower.duration if hit is None else hit.time
     cleared = MasksCleared(end, masks_of(scene))
     report(cleared)

@@ -52,7 +52,7 @@ class MasksCleared:
 class Replanned:
     """A new path (n, 3) to the goal: `back_off` metres back the way it came, then the plan.
 
-    `clearance` is the proof that all of it is free.
+    `clearance` is the proof that the plan is free; the way back has been driven before.
     """
 
     time: float

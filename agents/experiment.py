@@ -75,7 +75,8 @@ def run_experiment(
 def _published(scene: Scene, drive: Drive, step: float) -> Published:
     """The published masks and the published cycle on the same path, at the same steps."""
     nodes = [
-        published.Node(b.id, b.name, b.shape.vertices, b.shape.faces, b.pose) for b in scene.bodies
+        published.Node(b.id, b.name, b.shape.vertices, b.shape.faces.astype(np.int64), b.pose)
+        for b in scene.bodies
     ]
     path = drive.masks.path
     on_floor = np.column_stack([path[:, :2], np.zeros(len(path))])

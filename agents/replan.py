@@ -39,9 +39,9 @@ def drive_and_replan(
 ) -> Journey:
     """Drive along the path; on contact plan a new one to the scene's goal, and drive that.
 
-    The new path first goes back the way it came to where nothing is nearer than `margin` metres,
-    keeps that margin from there, and is proved free before it is driven. Where there is none the
-    journey ends there, and its `problem` says why.
+    The new path first goes back the way it came to where nothing is nearer than `margin` metres;
+    from there it keeps that margin, and is proved free before it is driven. Where there is none
+    the journey ends, and its `problem` says why.
     """
     first = drive(scene, path, speed=speed, step=step, report=report)
     journey = Journey([first])
@@ -76,10 +76,10 @@ def replan(
         raise PlanningError(f"nowhere on the way back are {margin:g} m free on all sides")
     retreat = way_back.until(ticks[free.argmax()])
     plan = plan_planar(careful, retreat[-1], scene.goal, seed=seed, time_limit=time_limit)
-    path = np.concatenate([retreat[:-1], plan.path])
     exact = PlanarChecker(shape, scene.obstacles, height=height)
-    clearance = prove_free(exact, path)
+    clearance = prove_free(exact, plan.path)
     if not clearance.proved:
         raise PlanningError(f"the path is not free near {clearance.where}")
+    path = np.concatenate([retreat[:-1], plan.path])
     back_off = float(travel(retreat, 0.0).sum())
     return Replanned(stopped.end, path, back_off, plan, clearance)

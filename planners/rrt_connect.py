@@ -77,7 +77,7 @@ def rrt_connect(
     Raises PlanningError (start or goal not valid or out of bounds, no path in time), ValueError
     for bad arguments, and whatever `valid` raises.
     """
-    ends = as_path([np.asarray(start, float), np.asarray(goal, float)])
+    ends = as_path([_configuration("start", start), _configuration("goal", goal)])
     box = np.asarray(bounds, dtype=np.float64)
     if box.shape != (2, 2) or not (box[0] < box[1]).all():
         raise ValueError(f"bounds: got {bounds!r}, want (2, 2): least x, y below greatest x, y")
@@ -92,13 +92,16 @@ def rrt_connect(
     for fine in (resolution, resolution / 4, resolution / 16):
         path = _solve(latch, ends, box, radius, fine, seed)
         if path is None:
-            break
+            raise PlanningError(
+                f"no path from {_show(ends[0])} to {_show(ends[1])} within {time_limit:g} s "
+                f"({latch.checks} checks): give a longer time_limit, wider bounds or another seed"
+            )
         if all(latch.valid(*q) for q in refine(path, radius, fine / 4).tolist()):
             length = float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum())
             return Plan(path, length, latch.checks, time.perf_counter() - began, seed)
     raise PlanningError(
-        f"no path from {_show(ends[0])} to {_show(ends[1])} within {time_limit:g} s "
-        f"({latch.checks} checks): give a longer time_limit, wider bounds or another seed"
+        f"the paths found are not free between states {resolution / 16:g} m apart: "
+        "give a finer resolution"
     )
 
 
@@ -110,8 +113,33 @@ def _solve(
     from ompl import geometric as og
     from ompl import util as ou
 
+    loud = ou.getLogLevel()
     ou.setLogLevel(ou.LOG_NONE)
-    ou.RNG.setSeed(seed + 1)  # OMPL ignores a seed of 0
+    try:
+        ou.RNG.setSeed(seed + 1)  # OMPL ignores a seed of 0
+        setup = _setup(latch, ends, box, radius, resolution)
+        setup.solve(ob.PlannerTerminationCondition(latch.stop))
+        found = setup.haveExactSolutionPath() and latch.error is None
+        if found:
+            solution = setup.getSolutionPath()
+            _simplify(og.PathSimplifier(setup.getSpaceInformation()), solution)
+    finally:
+        ou.setLogLevel(loud)
+    if latch.error is not None:
+        raise latch.error
+    if not found:
+        return None
+    states = [solution.getState(i) for i in range(solution.getStateCount())]
+    path = as_path([(s.getX(), s.getY(), s.getYaw()) for s in states])
+    path[:, 2] += ends[0, 2] - path[0, 2]  # whole turns, which OMPL takes away
+    return path
+
+
+def _setup(latch: _Latch, ends: Floats, box: Floats, radius: float, resolution: float) -> Any:
+    """OMPL's objects for one search."""
+    from ompl import base as ob
+    from ompl import geometric as og
+
     space = ob.SE2StateSpace()
     limits = ob.RealVectorBounds(2)
     for axis in range(2):
@@ -126,17 +154,7 @@ def _solve(
     info.setStateValidityCheckingResolution(resolution / (2.0 * extent))
     setup.setStartAndGoalStates(_state(info, ends[0]), _state(info, ends[1]))
     setup.setPlanner(og.RRTConnect(info))
-    setup.solve(ob.PlannerTerminationCondition(latch.stop))
-    found = setup.haveExactSolutionPath() and latch.error is None
-    if found:
-        solution = setup.getSolutionPath()
-        _simplify(og.PathSimplifier(info), solution)
-    if latch.error is not None:
-        raise latch.error
-    if not found:
-        return None
-    states = [solution.getState(i) for i in range(solution.getStateCount())]
-    return as_path([(s.getX(), s.getY(), s.getYaw()) for s in states])
+    return setup
 
 
 def _simplify(simplifier: Any, path: Any) -> None:
@@ -154,6 +172,13 @@ def _state(info: Any, q: Floats) -> Any:
     state.setY(float(q[1]))
     state.setYaw(float((q[2] + np.pi) % (2 * np.pi) - np.pi))
     return state
+
+
+def _configuration(name: str, q: ArrayLike) -> Floats:
+    array = np.asarray(q, dtype=np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name}: got {q!r}, want finite x, y, yaw")
+    return array
 
 
 def _show(q: Floats) -> str:

@@ -23,17 +23,27 @@ def fcl_checker(a: Mesh, b: Mesh, pose_a: Array) -> Checker:
 
 
 def coal_verdicts(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> NDArray[np.bool_]:
-    """coal's verdicts (n,). It calls gaps under 1e-6 units a hit, so its units are made small.
+    """coal's verdicts (n,). It calls gaps under 1e-6 units a hit, so its units are made small."""
+    checker, _, poses = _coal(a, b, pose_a, poses)
+    return checker.collide_all(poses)
 
-    A power of two changes no digit.
-    """
+
+def coal_distances(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> Array:
+    """coal's distances (n,), metres."""
+    checker, unit, poses = _coal(a, b, pose_a, poses)
+    assert checker.distance_all is not None
+    return checker.distance_all(poses) / unit
+
+
+def _coal(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> tuple[Checker, float, Array]:
+    """A checker in units of which the bodies measure a million; a power of two changes no digit."""
     coal = peer("coal")
     unit = 2.0 ** round(np.log2(1e6 / max(a.size, b.size)))
     models = [coal.build(Mesh(m.name, m.vertices * unit, m.faces)) for m in (a, b)]
     pose_a, poses = pose_a.copy(), poses.copy()
     pose_a[:3, 3] *= unit
     poses[:, :3, 3] *= unit
-    return coal.pair(*models, pose_a).collide_all(poses)
+    return coal.pair(*models, pose_a), unit, poses
 
 
 def surfaces_meet(a: Mesh, pose_a: Array, b: Mesh, pose_b: Array) -> bool:

@@ -12,12 +12,14 @@ from oracles import coal_verdicts, fcl_checker, is_inside, is_marginal, one_is_i
 from solids import somewhere
 
 from fgenv.bench.data import Mesh
-from fgenv.bench.poses import NEAR, USUAL, random_poses
+from fgenv.bench.poses import NEAR, USUAL, random_poses_batched
 from fgenv.collision import Shape, collide
 
 Array = NDArray[np.float64]
 FEW = pairs(12, largest=3000, seed=1)
 MANY = pairs(120, seed=2)
+
+pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
 
 class Jury:
@@ -35,11 +37,11 @@ class Jury:
         self.verdicts = collide(self.a, self.pose_a, self.b, self.poses)
 
     def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Array:
-        def judge(pose: Array) -> bool:
-            return bool(collide(self.a, self.pose_a, self.b, pose, threads=1))
+        def judge(poses: Array) -> NDArray[np.bool_]:
+            return collide(self.a, self.pose_a, self.b, poses, threads=1)
 
         meshes = self.mesh_a, self.mesh_b
-        return random_poses(*meshes, self.pose_a, count, judge, rng, decades)
+        return random_poses_batched(*meshes, self.pose_a, count, judge, rng, decades)
 
     def wrong(self) -> list[str]:
         """Each verdict that another library contradicts and that isn't shown to be right."""
@@ -91,7 +93,7 @@ def test_no_verdict_in_a_million_is_wrong() -> None:
         jury = Jury(pair, 8500, seed=seed)
         tally.update(poses=len(jury.poses), hits=int(jury.verdicts.sum()), pairs=1)
         assert jury.wrong() + jury.missed_inside() == [], pair
-    print(dict(tally))
+        print(pair.name, dict(tally), flush=True)  # seen with -s
     assert tally["poses"] >= 1_000_000
     assert tally["pairs"] >= 100
     assert 0.3 < tally["hits"] / tally["poses"] < 0.5
@@ -103,7 +105,7 @@ def test_the_pairs_come_from_several_packages() -> None:
     assert len(set(MANY)) >= 100
 
 
-@pytest.mark.parametrize("pair", FEW[:4], ids=lambda pair: pair.name)
+@pytest.mark.parametrize("pair", FEW[1:5], ids=lambda pair: pair.name)
 def test_verdicts_agree_with_whole_numbers(pair: MeshPair) -> None:
     """No library between: a few poses of each pair, as close as 1e-7 of the size."""
     jury = Jury(pair, 40, seed=5)

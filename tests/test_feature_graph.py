@@ -30,7 +30,7 @@ from solids import (
     together,
 )
 
-from fgenv.bench.poses import random_poses
+from fgenv.bench.poses import random_poses_batched
 from fgenv.collision import FeatureGraph, MeshWarning, Shape, collide
 
 Array = NDArray[np.float64]
@@ -264,11 +264,11 @@ def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, floa
     a, b = (Shape(m.vertices, m.faces, **chosen) for m in meshes)
     exact_a, exact_b = (Shape(m.vertices, m.faces) for m in meshes)
 
-    def judge(pose: Array) -> bool:
-        return bool(collide(exact_a, HERE, exact_b, pose, threads=1))
+    def judge(poses: Array) -> NDArray[np.bool_]:
+        return collide(exact_a, HERE, exact_b, poses, threads=1)
 
     rng = np.random.default_rng(3)
-    poses = random_poses(*meshes, HERE, 300, judge, rng, (-3.0, 0.0))
+    poses = random_poses_batched(*meshes, HERE, 300, judge, rng, (-3.0, 0.0))
     found, hits = collide(a, HERE, b, poses), collide(exact_a, HERE, exact_b, poses)
     assert not (found & ~hits).any()
     assert a.graph.tolerance is not None

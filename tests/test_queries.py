@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from meshes import MeshPair, pairs
 from numpy.typing import NDArray
-from oracles import distances_to_surface, fcl_checker
+from oracles import coal_distances, distances_to_surface, fcl_checker
 from solids import angle_iron, at, ball, bowl, box, inverted, opened, somewhere, together
 
-from fgenv.bench.poses import USUAL, random_poses
+from fgenv.bench.poses import USUAL, random_poses_batched
 from fgenv.collision import Shape, collide, contact, distance, nearest
 
 Array = NDArray[np.float64]
@@ -38,7 +38,9 @@ class Scene:
         self.pose_a = somewhere(rng, self.size)
         self.fcl = fcl_checker(self.mesh_a, self.mesh_b, self.pose_a)
         meshes = self.mesh_a, self.mesh_b
-        self.poses = random_poses(*meshes, self.pose_a, count, self.fcl.collide, rng, USUAL)
+        self.poses = random_poses_batched(
+            *meshes, self.pose_a, count, self.fcl.collide_all, rng, USUAL
+        )
 
 
 @pytest.fixture(params=PAIRS, ids=lambda pair: pair.name, scope="module")
@@ -54,9 +56,9 @@ def test_distance_is_that_of_fcl_and_coal(scene: Scene) -> None:
     free = found > 0
     assert free.mean() > 0.3
     assert scene.fcl.distance_all is not None
-    by_fcl = scene.fcl.distance_all(scene.poses[free])
-    # FCL's own is the distance of a pair of triangles that it may have pruned to within a hair
-    np.testing.assert_allclose(found[free], by_fcl, rtol=1e-6, atol=1e-9 * scene.size)
+    place = scene.mesh_a, scene.mesh_b, scene.pose_a, scene.poses[free]
+    for others in (scene.fcl.distance_all(scene.poses[free]), coal_distances(*place)):
+        np.testing.assert_allclose(found[free], others, rtol=1e-6, atol=1e-9 * scene.size)
 
 
 def test_distance_is_zero_exactly_where_they_collide(scene: Scene) -> None:

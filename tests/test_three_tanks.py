@@ -230,11 +230,13 @@ def test_each_mover_has_its_own_bit() -> None:
     one, other, tank = scene.mover, three_tanks().mover, scene.obstacles[1]
     other.own_bit, other.name = 2, "other"
     set_masks(one, scene.obstacles, scene.straight_path)
-    far = [(0.0, 9.0, 0.0), (1.0, 9.0, 0.0)]
-    set_masks(other, scene.obstacles, np.array(far))
-    assert [b.collision_mask for b in scene.obstacles] == [2, 1, 1]
+    coming = np.array([(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)])
+    set_masks(other, [*scene.obstacles, one], coming)
+    assert [b.collision_mask for b in (one, *scene.obstacles)] == [3, 2, 1, 1]
     assert must_test(one, tank)
     assert not must_test(other, tank)
+    # Both are candidates of the other mover: that is no reason to test one against the other.
+    assert not must_test(one, scene.obstacles[0])
     clear_masks(one, scene.obstacles)
     assert [b.collision_mask for b in scene.obstacles] == [2, 0, 0]
 
@@ -312,10 +314,16 @@ def test_own_mesh(tmp_path: Path) -> None:
 
 def test_own_mesh_is_scaled_only_if_asked(tmp_path: Path) -> None:
     mesh = str(cart(tmp_path, scale=1000.0))
-    with pytest.raises(ValueError, match=r"collides with tank 1.*start.*0\.001"):
+    with pytest.raises(ValueError, match=r"800 x 500 x 800 m is too long.*0\.001"):
         fgenv("--mesh", mesh, "--no-pictures")
     code, _ = fgenv("--mesh", mesh, "--scale", "0.001", "--no-pictures")
     assert code == 0
+
+
+def test_own_mesh_that_collides_at_once_is_an_error(tmp_path: Path) -> None:
+    trimesh.creation.box((5.5, 5.5, 0.4)).export(tmp_path / "raft.obj")
+    with pytest.raises(ValueError, match=r"raft\.obj.* collides with tank 3 at its goal \(8, 5\)"):
+        three_tanks(tmp_path / "raft.obj")
 
 
 def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:

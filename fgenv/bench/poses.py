@@ -12,10 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.bench.data import Mesh
+from fgenv.bench.peers.base import one_by_one
 
 Poses = NDArray[np.float64]  # (..., 4, 4)
-Verdict = Callable[[Poses], bool]
+Distances = NDArray[np.float64]  # metres
+Rows = NDArray[np.intp]
+Verdict = Callable[[Poses], bool]  # of one pose (4, 4)
+Verdicts = Callable[[Poses], NDArray[np.bool_]]  # (n, 4, 4) -> (n,)
 
+ALL = slice(None)
 INSIDE = 0.42  # share of poses on the near side of the place where the body comes free
 USUAL = (-2.0, 0.0)  # decades of the distance from that place, in sizes of the smaller body
 NEAR = (-7.0, -1.0)
@@ -58,9 +63,22 @@ def random_poses(
     rng: np.random.Generator,
     decades: tuple[float, float] = USUAL,
 ) -> Poses:
+    """As `random_poses_batched`, with a checker that takes one pose (4, 4) at a time."""
+    return random_poses_batched(a, b, pose_a, count, one_by_one(collides), rng, decades)
+
+
+def random_poses_batched(
+    a: Mesh,
+    b: Mesh,
+    pose_a: Poses,
+    count: int,
+    collides: Verdicts,
+    rng: np.random.Generator,
+    decades: tuple[float, float] = USUAL,
+) -> Poses:
     """Poses (count, 4, 4) of `b` in the world, with `a` at `pose_a` (4, 4).
 
-    `collides(pose_b)` is any checker of the pair; it only decides where the poses lie.
+    `collides(poses_b)` is any checker of the pair; it only decides where the poses lie.
     Half of them start with the centres together (whole bodies meet from outside), half with a
     point of one surface on a point of the other (so that every concavity is visited).
     `decades` are the exponents of ten between which the distance from contact lies, in sizes.
@@ -77,48 +95,52 @@ def random_poses(
     poses[:, :3, 3] = start_a - np.einsum("nij,nj->ni", turn, start_b)
     poses = pose_a @ poses
     along = along @ pose_a[:3, :3].T
-    for pose, direction, offset, near in zip(poses, along, gap, inside, strict=True):
-        slide = _Slide(pose.copy(), direction, collides)
-        pose[:] = slide.at(slide.place(0.02 * size, offset, near))
-    return np.asarray(rng.permutation(poses))
+    slide = _Slide(poses, along, collides)
+    placed = slide.at(slide.place(0.02 * size, gap, inside))
+    return np.asarray(rng.permutation(placed))
 
 
 class _Slide:
-    """A body that slides from `start` along `direction`."""
+    """Bodies that slide from poses `start` (n, 4, 4) along `direction` (n, 3)."""
 
-    def __init__(self, start: Poses, direction: NDArray[np.float64], collides: Verdict) -> None:
+    def __init__(self, start: Poses, direction: NDArray[np.float64], collides: Verdicts) -> None:
         self.start, self.direction, self.collides = start, direction, collides
 
-    def at(self, distance: float) -> Poses:
-        """The pose after `distance` metres."""
-        pose = self.start.copy()
-        pose[:3, 3] += self.direction * distance
-        return pose
+    def at(self, distance: Distances, rows: Rows | slice = ALL) -> Poses:
+        """The poses of `rows` after `distance` (k,) metres."""
+        poses = self.start[rows].copy()
+        poses[:, :3, 3] += self.direction[rows] * distance[:, None]
+        return poses
 
-    def hit(self, distance: float) -> bool:
-        """Whether the body collides after `distance` metres."""
-        return self.collides(self.at(distance))
+    def hit(self, distance: Distances, rows: Rows) -> NDArray[np.bool_]:
+        """Whether the bodies of `rows` collide after `distance` (k,) metres."""
+        return self.collides(self.at(distance, rows)) if len(rows) else np.zeros(0, np.bool_)
 
-    def place(self, step: float, offset: float, near: bool) -> float:
-        """The distance `offset` before (`near`) or behind the one where the body comes free."""
+    def place(self, step: float, offset: Distances, near: NDArray[np.bool_]) -> Distances:
+        """The distances `offset` before (`near`) or behind those where the bodies come free."""
         low, high = self.bracket(step)
-        while high - low > 0.1 * offset:
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.hit(middle) else (low, middle)
-        if not near:
-            return high + offset
-        inner = max(low - offset, 0.0)
-        return inner if self.hit(inner) else low  # a thin wall lies behind already
+        rows = np.flatnonzero(high - low > 0.1 * offset)
+        while len(rows):
+            middle = 0.5 * (low[rows] + high[rows])
+            met = self.hit(middle, rows)
+            low[rows[met]], high[rows[~met]] = middle[met], middle[~met]
+            rows = rows[high[rows] - low[rows] > 0.1 * offset[rows]]
+        inner = np.maximum(low - offset, 0.0)
+        rows = np.flatnonzero(near)
+        beyond = rows[~self.hit(inner[rows], rows)]
+        inner[beyond] = low[beyond]  # a thin wall lies behind already
+        return np.where(near, inner, high + offset)
 
-    def bracket(self, step: float) -> tuple[float, float]:
-        """Two distances, colliding and free; the same one twice where nothing is met."""
-        low = 0.0
-        for _ in range(60):  # centres of hollow bodies lie free: look for the wall
-            if self.hit(low):
-                break
-            low += step
-        else:
-            return low, low
-        while self.hit(low + step):
-            low, step = low + step, 2.0 * step
-        return low, low + step
+    def bracket(self, step: float) -> tuple[Distances, Distances]:
+        """Two distances each, colliding and free; twice the same where nothing is met."""
+        low, width = np.zeros(len(self.start)), np.full(len(self.start), step)
+        lost = np.arange(len(self.start))
+        for turn in range(60):  # centres of hollow bodies lie free: look for the wall
+            low[lost] = turn * step
+            lost = lost[~self.hit(low[lost], lost)]
+        width[lost] = 0.0
+        rows = np.flatnonzero(width)
+        while len(rows := rows[self.hit(low[rows] + width[rows], rows)]):
+            low[rows] += width[rows]
+            width[rows] *= 2.0
+        return low, low + width

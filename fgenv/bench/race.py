@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fgenv.bench.catalogue import Pair
 from fgenv.bench.memory import kept_bytes
 from fgenv.bench.peers import Checker, Peer
-from fgenv.bench.poses import Poses, random_poses, random_rotations
+from fgenv.bench.poses import Poses, random_poses_batched, random_rotations
 from fgenv.bench.timing import build_seconds, each_call, race
 
 Record = dict[str, Any]  # what goes to JSON
@@ -20,7 +20,7 @@ DISTANCE_POSES, CALL_POSES = 400, 2000
 
 
 class PairRace:
-    """The models, checkers and poses of one pair. `decades`: see `random_poses`."""
+    """The models, checkers and poses of one pair. `decades`: see `random_poses_batched`."""
 
     def __init__(
         self,
@@ -41,7 +41,9 @@ class PairRace:
         }
         # poses are placed and parted into free and hit by the reference, not by fgenv
         judge = self.checkers.get("python-fcl") or self.checkers[peers[0].name]
-        self.poses = random_poses(self.a, self.b, self.pose_a, count, judge.collide, rng, decades)
+        self.poses = random_poses_batched(
+            self.a, self.b, self.pose_a, count, judge.collide_all, rng, decades
+        )
         self.hits = judge.collide_all(self.poses)
 
     def run(self) -> Record:

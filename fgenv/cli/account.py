@@ -84,8 +84,8 @@ class Account:
         plan, gap = event.plan, event.clearance
         length = event.back_off + plan.length
         self._line(event.time, f"path planned anew: {len(event.path)} points, {length:.2f} m")
-        self._more(f"{event.back_off:.2f} m back, then as OMPL's RRTConnect found:")
-        self._more(f"{plan.checks} states checked in {plan.seconds:.2f} s")
+        self._more(f"{event.back_off:.2f} m back the way it came, then around by OMPL's RRTConnect")
+        self._more(f"({plan.checks} states checked in {plan.seconds:.2f} s)")
         self._more(f"proved free, nearest {gap.least * 1e3:.1f} mm at {_pose(gap.where)}")
 
     @tell.register
@@ -99,7 +99,7 @@ class Account:
             self.console.print(f"no way to the goal: {journey.problem}", style="red", markup=False)
         tests, without = (sum(getattr(d, k) for d in journey.drives) for k in COUNTS)
         self.console.print(f"Pairs tested: {tests}, without masks {without}")
-        self.console.print(f"The published cycle (method loop) {_loop(experiment)}")
+        self.console.print(f"The published cycle {_loop(experiment)}")
         for check, held in experiment.checks.items():
             self.console.print(f"  [{'green]yes' if held else 'red]NO '}[/]  {check}")
         verdict = "as published" if experiment.as_published else "NOT as published"
@@ -116,8 +116,8 @@ def _loop(experiment: Experiment) -> str:
     """What the published graph sees on the first path, against the truth."""
     said, first = experiment.published, experiment.journey.drives[0]
     if said.time is None:
-        return "sees no collision"
-    sees = f"sees one with {said.body} at {said.time:.3f} s"
+        return "(loop) sees no collision"
+    sees = f"(loop) sees one with {said.body} at {said.time:.3f} s"
     if first.hit is None:
         return f"{sees}, and is wrong"
     late = (said.time - first.hit.seen) * first.speed * 1e3

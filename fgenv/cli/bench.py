@@ -41,16 +41,19 @@ def bench(
 ) -> None:
     """Race fgenv against the other collision libraries on real meshes, same poses, one process.
 
-    Needs the bench extra: pip install "fgenv\\[bench]". The libraries take turns on small chunks
-    of poses; what is shown are medians over rounds, one thread unless a column says otherwise.
+    Needs the bench extra: pip install "fgenv\\[bench]".
+
+    The libraries take turns on small chunks of poses; shown are medians over rounds.
     """
     from rich.console import Console
 
+    from fgenv.bench.catalogue import chosen
     from fgenv.bench.pairs import bench_pairs, machine, summary
     from fgenv.bench.peers import peer, selected
     from fgenv.bench.report import NOTE, peer_table, plot_times, ratio_table
 
     console = Console(stderr=as_json)
+    chosen(pairs)  # a wrong name is told before anything is printed
     names = selected(peers)
     versions = {name: peer(name).version for name in names}
     about = machine()

@@ -47,9 +47,10 @@ def run(
 ) -> None:
     """Run the published experiment and say whether it came out as published.
 
-    The robot takes the straight path to its goal. Its motion box sets the collision masks; the
-    collision with tank 2 is found by its feature graph and announced; the masks return to 0.
-    Then the path is planned anew by OMPL's RRTConnect, and driven to the goal.
+    The robot takes the straight path to its goal. Its motion box sets the
+    collision masks. The collision with tank 2 is found by its feature graph
+    and announced as it happens; the masks return to 0. Then OMPL's RRTConnect
+    plans a path around it, which is driven to the goal.
 
     Exit code 0 if all came out as published, 1 if not.
     """
@@ -69,7 +70,8 @@ def run(
         warnings.simplefilter("always")
         scene = three_tanks(mesh, scale=scale)
     account.begin(scene, seed, [str(warning.message) for warning in caught])
-    experiment = run_experiment(scene, seed=seed, step=step, report=account.tell)
+    with account.console.status("driving"):
+        experiment = run_experiment(scene, seed=seed, step=step, report=account.tell)
     account.end(experiment)
     written: list[str] = []
     if pictures:

@@ -31,7 +31,7 @@ Array<T> through_numpy(nb::handle value, const char* name, const char* kinds, co
     const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
     const bool empty = nb::cast<int64_t>(array.attr("size")) == 0;
     if (std::string(kinds).find(kind) == std::string::npos && !(empty && kind == "f"))
-        bad_type(std::string(name) + ": dtype " + nb::cast<std::string>(nb::str(array.attr("dtype"))) +
+        bad_type(std::string(name) + ": dtype " + nb::cast<std::string>(array.attr("dtype").attr("name")) +
                  ", wanted " + dtype);
     array = numpy.attr("ascontiguousarray")(array, numpy.attr(dtype)).attr("reshape")(array.attr("shape"));
     return wrap(nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array));

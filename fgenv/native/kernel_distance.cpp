@@ -1,34 +1,37 @@
-// Distance of two surfaces: branch and bound over the two trees, faces eight at a time in double.
+// Distance of two surfaces: branch and bound over the two trees, faces four at a time in double.
 // Segments as in C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.9; a face's interior is
 // only asked for vertices, since sides against sides cover everything else.
+#include "box_culling.h"
+#include "face_culling.h"
 #include "kernels.h"
-#include "pair_frame.h"
 
 namespace fgenv::FGENV_ISA {
 namespace {
 
-typedef D8 V8[3];  // eight points or vectors
+constexpr int width = 4;  // doubles side by side
 
-FGENV_INLINE D8 dot(const V8 a, const V8 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-FGENV_INLINE void subtract(const V8 a, const V8 b, V8 out) {
+typedef D4 V4[3];  // four points or vectors
+
+FGENV_INLINE D4 dot(const V4 a, const V4 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+FGENV_INLINE void subtract(const V4 a, const V4 b, V4 out) {
     for (int i = 0; i < 3; ++i) out[i] = a[i] - b[i];
 }
-FGENV_INLINE void cross(const V8 a, const V8 b, V8 out) {
+FGENV_INLINE void cross(const V4 a, const V4 b, V4 out) {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         out[i] = a[j] * b[k] - a[k] * b[j];
     }
 }
-FGENV_INLINE D8 clamped(D8 x) { return min(max(x, splat(0.0)), splat(1.0)); }
+FGENV_INLINE D4 clamped(D4 x) { return min(max(x, splat(0.0)), splat(1.0)); }
 // 1 / x, and 0 where x is 0 (a side of length 0 after placing, parallel sides).
-FGENV_INLINE D8 reciprocal(D8 x) { return x > splat(0.0) ? splat(1.0) / x : splat(0.0); }
+FGENV_INLINE D4 reciprocal(D4 x) { return x > splat(0.0) ? splat(1.0) / x : splat(0.0); }
 
 // Parameters of the nearest points of p + s u and q + t w, 0 <= s, t <= 1; the squared distance.
-FGENV_INLINE D8 segments(const V8 p, const V8 u, D8 uu, D8 inv_uu, const V8 q, const V8 w, D8 ww,
-                         D8 inv_ww, D8& s, D8& t) {
-    V8 r;
+FGENV_INLINE D4 segments(const V4 p, const V4 u, D4 uu, D4 inv_uu, const V4 q, const V4 w, D4 ww,
+                         D4 inv_ww, D4& s, D4& t) {
+    V4 r;
     subtract(p, q, r);
-    const D8 ur = dot(u, r), wr = dot(w, r), uw = dot(u, w);
+    const D4 ur = dot(u, r), wr = dot(w, r), uw = dot(u, w);
     s = clamped((uw * wr - ur * ww) * reciprocal(uu * ww - uw * uw));
     t = clamped((uw * s + wr) * inv_ww);
     s = clamped((uw * t - ur) * inv_uu);
@@ -37,10 +40,10 @@ FGENV_INLINE D8 segments(const V8 p, const V8 u, D8 uu, D8 inv_uu, const V8 q, c
 }
 
 struct Faces {
-    V8 v[3], side[3];  // side k from vertex k to k + 1
-    D8 length[3], inv_length[3];  // squared
-    V8 n;
-    D8 inv_n;  // of the squared normal
+    V4 v[3], side[3];  // side k from vertex k to k + 1
+    D4 length[3], inv_length[3];  // squared
+    V4 n;
+    D4 inv_n;  // of the squared normal
 };
 
 FGENV_INLINE void derive(Faces& f) {
@@ -54,21 +57,21 @@ FGENV_INLINE void derive(Faces& f) {
 }
 
 // Squared distance of point p to the interior of the face, huge where it projects outside.
-FGENV_INLINE D8 above_face(const V8 p, const Faces& f) {
-    L8 within = L8{} == 0;
-    V8 r, outward;
+FGENV_INLINE D4 above_face(const V4 p, const Faces& f) {
+    L4 within = L4{} == 0;
+    V4 r, outward;
     for (int k = 0; k < 3; ++k) {
         subtract(p, f.v[k], r);
         cross(f.side[k], f.n, outward);
         within &= dot(r, outward) <= splat(0.0);
     }
-    const D8 height = dot(r, f.n);
-    const D8 squared = height * height * f.inv_n;
+    const D4 height = dot(r, f.n);
+    const D4 squared = height * height * f.inv_n;
     return within & (f.inv_n > splat(0.0)) ? squared : splat(HUGE_VAL);
 }
 
-FGENV_INLINE D8 squared_distances(const Faces& f, const Faces& g) {
-    D8 best = splat(HUGE_VAL), s, t;
+FGENV_INLINE D4 squared_distances(const Faces& f, const Faces& g) {
+    D4 best = splat(HUGE_VAL), s, t;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             best = min(best, segments(f.v[i], f.side[i], f.length[i], f.inv_length[i], g.v[j], g.side[j],
@@ -89,85 +92,124 @@ FGENV_INLINE Corners corners(const Shape& s, int32_t face) {
     return {{s.mesh.vertices[f[0]], s.mesh.vertices[f[1]], s.mesh.vertices[f[2]]}};
 }
 
-FGENV_INLINE void fill(V8 out, int lane, Vec3 p) {
-    out[0][lane] = p.x;
-    out[1][lane] = p.y;
-    out[2][lane] = p.z;
+// Four points, to be written one by one and read side by side.
+struct Points {
+    alignas(32) double at[3][width];
+};
+
+FGENV_INLINE void put(Points& out, int lane, Vec3 p) {
+    out.at[0][lane] = p.x;
+    out.at[1][lane] = p.y;
+    out.at[2][lane] = p.z;
 }
 
-FGENV_INLINE void same(V8 out, Vec3 p) {
-    out[0] = splat(p.x);
-    out[1] = splat(p.y);
-    out[2] = splat(p.z);
+FGENV_INLINE Vec3 point(const Points& p, int lane) { return {p.at[0][lane], p.at[1][lane], p.at[2][lane]}; }
+
+FGENV_INLINE void read(const Points& p, V4 out) {
+    for (int i = 0; i < 3; ++i) std::memcpy(&out[i], p.at[i], sizeof out[i]);
 }
 
-FGENV_INLINE Vec3 lane(const V8 v, int k) { return {v[0][k], v[1][k], v[2][k]}; }
+FGENV_INLINE Vec3 lane(const V4 v, int k) { return {v[0][k], v[1][k], v[2][k]}; }
 
-// The nearest points of two faces: its candidates (nine pairs of sides, six vertices) side by side.
+// The nearest points of two faces: three pairs of sides or three vertices at a time.
 void nearest_points(const Corners& a, const Corners& b, Nearest& out) {
     out.squared = HUGE_VAL;
-    for (int group = 0; group < 2; ++group) {
-        V8 p, u, q, w;
-        for (int l = 0; l < lanes; ++l) {
-            const int pair = group == 0 ? l : 8, i = pair / 3, j = pair % 3;
-            fill(p, l, a.v[i]);
-            fill(u, l, a.v[(i + 1) % 3] - a.v[i]);
-            fill(q, l, b.v[j]);
-            fill(w, l, b.v[(j + 1) % 3] - b.v[j]);
+    for (int i = 0; i < 3; ++i) {
+        Points rows[4];
+        for (int l = 0; l < width; ++l) {
+            const int j = l % 3;
+            put(rows[0], l, a.v[i]);
+            put(rows[1], l, a.v[(i + 1) % 3] - a.v[i]);
+            put(rows[2], l, b.v[j]);
+            put(rows[3], l, b.v[(j + 1) % 3] - b.v[j]);
         }
-        D8 s, t;
-        const D8 uu = dot(u, u), ww = dot(w, w);
-        const D8 d = segments(p, u, uu, reciprocal(uu), q, w, ww, reciprocal(ww), s, t);
-        for (int l = 0; l < (group == 0 ? lanes : 1); ++l)
+        V4 p, u, q, w;
+        read(rows[0], p);
+        read(rows[1], u);
+        read(rows[2], q);
+        read(rows[3], w);
+        D4 s, t;
+        const D4 uu = dot(u, u), ww = dot(w, w);
+        const D4 d = segments(p, u, uu, reciprocal(uu), q, w, ww, reciprocal(ww), s, t);
+        for (int l = 0; l < 3; ++l)
             if (d[l] < out.squared) {
                 out.squared = d[l];
-                out.on_a = lane(p, l) + s[l] * lane(u, l);
-                out.on_b = lane(q, l) + t[l] * lane(w, l);
+                out.on_a = point(rows[0], l) + s[l] * point(rows[1], l);
+                out.on_b = point(rows[2], l) + t[l] * point(rows[3], l);
             }
     }
-    Faces f;
-    V8 p;
-    for (int l = 0; l < lanes; ++l) {
-        const Corners& face = l < 3 ? b : a;
-        for (int k = 0; k < 3; ++k) fill(f.v[k], l, face.v[k]);
-        fill(p, l, l < 3 ? a.v[l] : b.v[l % 3]);
-    }
-    derive(f);
-    const D8 d = above_face(p, f);
-    for (int l = 0; l < 6; ++l)
-        if (d[l] < out.squared) {
-            out.squared = d[l];
-            const Vec3 n = lane(f.n, l), at = lane(p, l);
-            const Vec3 foot = at - (fgenv::dot(n, at - lane(f.v[0], l)) * f.inv_n[l]) * n;
-            out.on_a = l < 3 ? at : foot;
-            out.on_b = l < 3 ? foot : at;
+    for (int side = 0; side < 2; ++side) {
+        const Corners &from = side ? b : a, &to = side ? a : b;
+        Points rows[4];
+        for (int l = 0; l < width; ++l) {
+            for (int k = 0; k < 3; ++k) put(rows[k], l, to.v[k]);
+            put(rows[3], l, from.v[l % 3]);
         }
+        Faces f;
+        V4 p;
+        for (int k = 0; k < 3; ++k) read(rows[k], f.v[k]);
+        read(rows[3], p);
+        derive(f);
+        const D4 d = above_face(p, f);
+        for (int l = 0; l < 3; ++l)
+            if (d[l] < out.squared) {
+                out.squared = d[l];
+                const Vec3 n = lane(f.n, l), at = from.v[l];
+                const Vec3 foot = at - (fgenv::dot(n, at - to.v[0]) * f.inv_n[l]) * n;
+                (side ? out.on_b : out.on_a) = at;
+                (side ? out.on_a : out.on_b) = foot;
+            }
+    }
 }
 
-// Squared lower bounds on the distance of `box` (of the other shape) to a node's eight; `order`: the
-// distance of the centres breaks ties between boxes that overlap.
-FGENV_INLINE F8 lower_bounds(const Node& n, const BoxF& box, const PairFrame& f, F8& order) {
-    const BoxF p = placed(box, f);
-    F8 d[3], h[3], here = F8{}, there = F8{};
-    order = F8{};
+// Squared lower bounds on the distance of `box` to a node's eight: in the frame of either box, the gaps
+// to the upright box around the other; and the gap along `towards`, a unit vector from the node to the
+// box. `order`: the distance of the centres breaks ties between boxes
+// that overlap.
+FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const float towards[3], float slack,
+                             F8& order) {
+    F8 d[3], h[3], abs_r[3][3], here = F8{}, there = F8{};
+    for (int k = 0; k < 3; ++k) {
+        d[k] = load(n.centre[k]) - splat(box.c[k]);
+        h[k] = load(n.half[k]);
+    }
     for (int i = 0; i < 3; ++i) {
-        d[i] = load(n.centre[i]) - splat(p.c[i]);
-        h[i] = load(n.half[i]);
-        const F8 gap = max(abs(d[i]) - h[i] - splat(p.h[i]), F8{});
+        const F8 x = load(n.axis[i][0]), y = load(n.axis[i][1]), z = load(n.axis[i][2]);
+        F8 radius = h[i] + splat(slack);
+        for (int j = 0; j < 3; ++j) {
+            abs_r[i][j] = abs(x * splat(box.axis[j][0]) + y * splat(box.axis[j][1]) + z * splat(box.axis[j][2]));
+            radius += abs_r[i][j] * splat(box.h[j]);
+        }
+        const F8 gap = max(abs(d[0] * x + d[1] * y + d[2] * z) - radius, F8{});
         here += gap * gap;
-        order += d[i] * d[i];
     }
     for (int j = 0; j < 3; ++j) {
-        const F8 along = d[0] * splat(f.r[0][j]) + d[1] * splat(f.r[1][j]) + d[2] * splat(f.r[2][j]);
-        const F8 radius = h[0] * splat(f.abs_r[0][j]) + h[1] * splat(f.abs_r[1][j]) +
-                          h[2] * splat(f.abs_r[2][j]) + splat(box.h[j] + f.slack);
+        const F8 along = d[0] * splat(box.axis[j][0]) + d[1] * splat(box.axis[j][1]) + d[2] * splat(box.axis[j][2]);
+        const F8 radius = h[0] * abs_r[0][j] + h[1] * abs_r[1][j] + h[2] * abs_r[2][j] + splat(box.h[j] + slack);
         const F8 gap = max(abs(along) - radius, F8{});
         there += gap * gap;
     }
-    const F8 bound = max(here, there) * splat(0.99999f);
-    order = bound + order * splat(1e-4f);
+    F8 along = F8{}, radius = splat(2 * slack);
+    for (int i = 0; i < 3; ++i) {
+        along -= d[i] * splat(towards[i]);
+        F8 axis_along = F8{};
+        for (int k = 0; k < 3; ++k) axis_along += load(n.axis[i][k]) * splat(towards[k]);
+        radius += abs(axis_along) * h[i];
+        const float box_along = box.axis[i][0] * towards[0] + box.axis[i][1] * towards[1] + box.axis[i][2] * towards[2];
+        radius += splat(std::fabs(box_along) * box.h[i]);
+    }
+    const F8 apart = max(along - radius, F8{});
+    const F8 bound = max(max(here, there), apart * apart) * splat(0.99999f);
+    order = bound + (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * splat(1e-2f);
     return h[0] >= splat(0.0f) ? bound : splat(HUGE_VALF);
 }
+
+// Pairs of faces that may be nearest, measured four at once.
+struct Candidates {
+    Points a[3], b[3];  // vertices
+    int32_t face_a[width], face_b[width];
+    int count = 0;
+};
 
 struct Search {
     const Shape& a;
@@ -177,51 +219,157 @@ struct Search {
     double best;  // squared
     bool any;
     int32_t face_a = -1, face_b = -1;
+    // Unit, a's frame, from a to b along the shortest way known: what is farther apart than that along
+    // it cannot be nearer.
+    float towards_b[3] = {0, 0, 0};
 };
 
-FGENV_INLINE D8 box_gaps(const Faces& f, const Corners& c) {
-    const double xs[3][3] = {{c.v[0].x, c.v[1].x, c.v[2].x},
-                             {c.v[0].y, c.v[1].y, c.v[2].y},
-                             {c.v[0].z, c.v[1].z, c.v[2].z}};
-    D8 sum = D8{};
-    for (int i = 0; i < 3; ++i) {
-        const D8 lo = min(min(f.v[0][i], f.v[1][i]), f.v[2][i]);
-        const D8 hi = max(max(f.v[0][i], f.v[1][i]), f.v[2][i]);
-        const double c_lo = lesser(lesser(xs[i][0], xs[i][1]), xs[i][2]);
-        const double c_hi = greater(greater(xs[i][0], xs[i][1]), xs[i][2]);
-        const D8 gap = max(max(lo - splat(c_hi), splat(c_lo) - hi), D8{});
-        sum += gap * gap;
-    }
-    return sum;
+void turn(Search& q, Vec3 way) {
+    const Vec3 n = unit(way);
+    q.towards_b[0] = static_cast<float>(n.x);
+    q.towards_b[1] = static_cast<float>(n.y);
+    q.towards_b[2] = static_cast<float>(n.z);
 }
 
-// True if the search is over.
-bool search_leaves(Search& q, const Leaf& la, const Leaf& lb) {
-    Faces b;
-    for (int l = 0; l < lanes; ++l) {
-        const Corners c = corners(q.b, lb.face[l]);
-        for (int k = 0; k < 3; ++k) fill(b.v[k], l, apply(q.pose, c.v[k]));
-    }
-    derive(b);
-    for (uint32_t in_a = la.valid; in_a; in_a &= in_a - 1) {
-        const int i = __builtin_ctz(in_a);
-        const Corners c = corners(q.a, la.face[i]);
-        if (!(bits(box_gaps(b, c) < splat(q.best)) & lb.valid)) continue;
-        Faces a;
-        for (int k = 0; k < 3; ++k) same(a.v[k], c.v[k]);
-        derive(a);
-        const D8 d = squared_distances(a, b);
-        for (uint32_t m = bits(q.any ? d <= splat(q.best) : d < splat(q.best)) & lb.valid; m; m &= m - 1) {
-            const int j = __builtin_ctz(m);
-            if (q.any ? d[j] <= q.best : d[j] < q.best) {
-                q.best = d[j];
-                q.face_a = la.face[i];
-                q.face_b = lb.face[j];
-                if (q.any || q.best == 0) return true;
-            }
+void measure(Search& q, Candidates& c) {
+    if (!c.count) return;
+    for (int l = c.count; l < width; ++l)  // spare lanes repeat the first pair
+        for (int k = 0; k < 3; ++k) {
+            put(c.a[k], l, point(c.a[k], 0));
+            put(c.b[k], l, point(c.b[k], 0));
         }
+    Faces a, b;
+    for (int k = 0; k < 3; ++k) {
+        read(c.a[k], a.v[k]);
+        read(c.b[k], b.v[k]);
     }
-    return false;
+    derive(a);
+    derive(b);
+    const D4 d = squared_distances(a, b);
+    int best = -1;
+    for (int l = 0; l < c.count; ++l)
+        if (d[l] < q.best || (q.any && d[l] <= q.best)) {
+            q.best = d[l];
+            best = l;
+        }
+    if (best >= 0) {
+        q.face_a = c.face_a[best];
+        q.face_b = c.face_b[best];
+        Nearest found;
+        nearest_points({{point(c.a[0], best), point(c.a[1], best), point(c.a[2], best)}},
+                       {{point(c.b[0], best), point(c.b[1], best), point(c.b[2], best)}}, found);
+        turn(q, found.on_b - found.on_a);
+    }
+    c.count = 0;
+}
+
+void add_candidate(Search& q, Candidates& c, int32_t face_a, int32_t face_b) {
+    const Corners a = corners(q.a, face_a), b = corners(q.b, face_b);
+    for (int k = 0; k < 3; ++k) {
+        put(c.a[k], c.count, a.v[k]);
+        put(c.b[k], c.count, apply(q.pose, b.v[k]));
+    }
+    c.face_a[c.count] = face_a;
+    c.face_b[c.count] = face_b;
+    if (++c.count == width) measure(q, c);
+}
+
+// Which of eight faces g may be nearer than `radius` to face i of f: boxes, then the two planes.
+FGENV_INLINE uint32_t within(const FacesF& f, int i, const FacesF& g, const Local& local, float radius,
+                             uint32_t among) {
+    F8 gaps = F8{};
+    for (int x = 0; x < 3; ++x) {
+        const F8 gap = max(max(g.lo[x] - splat(f.hi[x][i]), splat(f.lo[x][i]) - g.hi[x]) - splat(2 * local.slack), F8{});
+        gaps += gap * gap;
+    }
+    among &= bits(gaps <= splat(radius * radius));
+    if (!among) return 0;
+    const F8 reach = splat(local.volume_slack * local.size);
+    F8 side[3], own_length = F8{}, their_length = F8{};
+    for (int x = 0; x < 3; ++x) {
+        own_length += splat(f.n[x][i] * f.n[x][i]);
+        their_length += g.n[x] * g.n[x];
+    }
+    const F8 own = root(own_length) * splat(radius) + reach * splat(f.scale[i]);
+    const F8 theirs = root(their_length) * splat(radius) + reach * g.scale;
+    for (int k = 0; k < 3; ++k) {
+        side[k] = F8{};
+        for (int x = 0; x < 3; ++x) side[k] += splat(f.n[x][i]) * (g.v[k][x] - splat(f.v[0][x][i]));
+    }
+    I8 near = (min(min(side[0], side[1]), side[2]) <= own) & (max(max(side[0], side[1]), side[2]) >= -own);
+    for (int k = 0; k < 3; ++k) {
+        side[k] = F8{};
+        for (int x = 0; x < 3; ++x) side[k] += g.n[x] * (splat(f.v[k][x][i]) - g.v[0][x]);
+    }
+    near &= (min(min(side[0], side[1]), side[2]) <= theirs) & (max(max(side[0], side[1]), side[2]) >= -theirs);
+    return among & bits(near);
+}
+
+// The float above the root of the bound.
+FGENV_INLINE float limit_of(const Search& q) {
+    return q.best < 1e30 ? static_cast<float>(std::sqrt(q.best)) * 1.000001f : 1e15f;
+}
+
+// Squared distance of the nearest vertices: a first bound.
+FGENV_INLINE float nearest_vertices(const FacesF& a, uint32_t in_a, const FacesF& b) {
+    F8 best = splat(HUGE_VALF);
+    for (; in_a; in_a &= in_a - 1) {
+        const int i = __builtin_ctz(in_a);
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                F8 sum = F8{};
+                for (int x = 0; x < 3; ++x) {
+                    const F8 d = b.v[l][x] - splat(a.v[k][x][i]);
+                    sum += d * d;
+                }
+                best = min(best, sum);
+            }
+    }
+    float out = best[0];
+    for (int l = 1; l < lanes; ++l) out = best[l] < out ? best[l] : out;
+    return out;
+}
+
+FGENV_INLINE F8 along(const F8 (&v)[3], const float d[3]) {
+    return v[0] * splat(d[0]) + v[1] * splat(d[1]) + v[2] * splat(d[2]);
+}
+
+void search_leaves(Search& q, const Leaf& la, const Leaf& lb) {
+    FacesF a, b;
+    float shift[3];
+    const Local local = load_leaves(la, lb, q.pose, q.frames.b_in_a, a, b, shift);
+    float limit = limit_of(q);
+    if (q.face_a < 0) {
+        const float known = std::sqrt(nearest_vertices(a, la.valid, b)) + 4 * local.slack;
+        limit = known < limit ? known : limit;
+    }
+    float radius = limit + 4 * local.slack;
+
+    float lo[3], hi[3];
+    for (int i = 0; i < 3; ++i) {
+        lo[i] = -la.half[i] - radius;
+        hi[i] = la.half[i] + radius;
+    }
+    const F8 b_start = min(min(along(b.v[0], q.towards_b), along(b.v[1], q.towards_b)), along(b.v[2], q.towards_b));
+    const F8 a_end = max(max(along(a.v[0], q.towards_b), along(a.v[1], q.towards_b)), along(a.v[2], q.towards_b));
+    const uint32_t in_b = reaching(b, lo, hi, local, lb.valid);
+    if (!in_b) return;
+    around(b, in_b, lo, hi);
+    for (int i = 0; i < 3; ++i) {
+        lo[i] -= radius;
+        hi[i] += radius;
+    }
+    Candidates candidates;
+    for (uint32_t in_a = reaching(a, lo, hi, local, la.valid); in_a; in_a &= in_a - 1) {
+        const int i = __builtin_ctz(in_a);
+        const uint32_t ahead = in_b & bits(b_start <= splat(a_end[i] + radius));
+        if (!ahead) continue;
+        for (uint32_t m = within(a, i, b, local, radius, ahead); m; m &= m - 1)
+            add_candidate(q, candidates, la.face[i], lb.face[__builtin_ctz(m)]);
+        const float now = limit_of(q);
+        if (now < limit) radius = (limit = now) + 4 * local.slack;
+    }
+    measure(q, candidates);
 }
 
 void search(Search& q) {
@@ -232,21 +380,27 @@ void search(Search& q) {
     Pair stack[2 * max_depth * (lanes - 1) + lanes];
     int top = 0;
     const Tree &ta = q.a.tree, &tb = q.b.tree;
+    const OrientedBox *boxes_a = ta.boxes.data(), *boxes_b = tb.boxes.data();
+    const PairFrame &b_in_a = q.frames.b_in_a, &a_in_b = q.frames.a_in_b;
     stack[top++] = {0, 0, 0.0f};
-    while (top) {
+    while (top && q.best > 0 && !(q.any && q.face_a >= 0)) {
         const Pair pair = stack[--top];
         if (pair.bound > q.best) continue;
-        const int32_t ca = child_of(ta, pair.a), cb = child_of(tb, pair.b);
+        const OrientedBox &a = boxes_a[pair.a], &b = boxes_b[pair.b];
+        const int32_t ca = a.child, cb = b.child;
         if (ca < 0 && cb < 0) {
-            if (search_leaves(q, ta.leaves[~ca], tb.leaves[~cb])) return;
+            search_leaves(q, ta.leaves[~ca], tb.leaves[~cb]);
             continue;
         }
-        const BoxF box_a = box_of(ta, pair.a), box_b = box_of(tb, pair.b);
-        const bool split_a = cb < 0 || (ca >= 0 && box_a.h[0] + box_a.h[1] + box_a.h[2] >=
-                                                       box_b.h[0] + box_b.h[1] + box_b.h[2]);
+        const bool split_a = cb < 0 || (ca >= 0 && size(a) >= size(b));
         F8 order;
-        const F8 bound = split_a ? lower_bounds(ta.nodes[ca], box_b, q.frames.b_in_a, order)
-                                 : lower_bounds(tb.nodes[cb], box_a, q.frames.a_in_b, order);
+        float towards[3];
+        for (int i = 0; i < 3; ++i)
+            towards[i] = split_a ? q.towards_b[i]
+                                 : -(a_in_b.r[i][0] * q.towards_b[0] + a_in_b.r[i][1] * q.towards_b[1] +
+                                     a_in_b.r[i][2] * q.towards_b[2]);
+        const F8 bound = split_a ? lower_bounds(ta.oriented[ca], placed(b, b_in_a), towards, b_in_a.slack, order)
+                                 : lower_bounds(tb.oriented[cb], placed(a, a_in_b), towards, a_in_b.slack, order);
         float keys[lanes];
         const int first = top;
         const float limit = q.best < 1e38 ? static_cast<float>(q.best) * 1.000001f : 1e38f;
@@ -269,6 +423,8 @@ void search(Search& q) {
 
 Nearest nearest(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any) {
     Search q{a, b, pose, pair_frames(a, b, pose), bound, any};
+    const BoxF start = placed(box_of(b.tree, 0), q.frames.b_in_a), from = box_of(a.tree, 0);
+    turn(q, {double(start.c[0]) - from.c[0], double(start.c[1]) - from.c[1], double(start.c[2]) - from.c[2]});
     search(q);
     Nearest out{HUGE_VAL, {0, 0, 0}, {0, 0, 0}, q.face_a, q.face_b};
     if (q.face_a < 0) return out;

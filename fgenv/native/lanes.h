@@ -1,4 +1,4 @@
-// Eight floats or doubles side by side, in the vector extensions of GCC and Clang: one source for
+// Eight floats or four doubles side by side, in the vector extensions of GCC and Clang: one source for
 // every instruction set, the same operations in the same order in each.
 #pragma once
 
@@ -13,12 +13,13 @@ namespace fgenv {
 #define FGENV_INLINE static inline __attribute__((always_inline))
 
 typedef float F8 __attribute__((vector_size(32)));
+typedef float F4 __attribute__((vector_size(16)));
 typedef int32_t I8 __attribute__((vector_size(32)));
-typedef double D8 __attribute__((vector_size(64)));
-typedef int64_t L8 __attribute__((vector_size(64)));
+typedef double D4 __attribute__((vector_size(32)));
+typedef int64_t L4 __attribute__((vector_size(32)));
 
 FGENV_INLINE F8 splat(float x) { return F8{x, x, x, x, x, x, x, x}; }
-FGENV_INLINE D8 splat(double x) { return D8{x, x, x, x, x, x, x, x}; }
+FGENV_INLINE D4 splat(double x) { return D4{x, x, x, x}; }
 
 FGENV_INLINE F8 load(const float* p) {
     F8 x;
@@ -27,11 +28,38 @@ FGENV_INLINE F8 load(const float* p) {
 }
 
 FGENV_INLINE F8 abs(F8 x) { return (F8)((I8)x & 0x7fffffff); }
-FGENV_INLINE D8 abs(D8 x) { return (D8)((L8)x & 0x7fffffffffffffffll); }
+FGENV_INLINE D4 abs(D4 x) { return (D4)((L4)x & 0x7fffffffffffffffll); }
+FGENV_INLINE F8 root(F8 x) {
+#if defined(__AVX__)
+    return (F8)_mm256_sqrt_ps((__m256)x);
+#else
+    for (int i = 0; i < 8; ++i) x[i] = __builtin_sqrtf(x[i]);
+    return x;
+#endif
+}
 FGENV_INLINE F8 min(F8 a, F8 b) { return a < b ? a : b; }
 FGENV_INLINE F8 max(F8 a, F8 b) { return a > b ? a : b; }
-FGENV_INLINE D8 min(D8 a, D8 b) { return a < b ? a : b; }
-FGENV_INLINE D8 max(D8 a, D8 b) { return a > b ? a : b; }
+FGENV_INLINE D4 min(D4 a, D4 b) { return a < b ? a : b; }
+FGENV_INLINE D4 max(D4 a, D4 b) { return a > b ? a : b; }
+
+// a b + c, fused where the instruction set can: other bits on other machines, so for culling with slack
+// only, never for a result or an order.
+FGENV_INLINE F8 fused(F8 a, F8 b, F8 c) {
+#if defined(__FMA__)
+    return (F8)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#else
+    return a * b + c;
+#endif
+}
+
+FGENV_INLINE F4 fused(F4 a, float b, F4 c) {
+    const F4 all = {b, b, b, b};
+#if defined(__FMA__)
+    return (F4)_mm_fmadd_ps((__m128)a, (__m128)all, (__m128)c);
+#else
+    return a * all + c;
+#endif
+}
 
 // Bit k: lane k is true.
 FGENV_INLINE uint32_t bits(I8 m) {
@@ -47,6 +75,5 @@ FGENV_INLINE uint32_t bits(I8 m) {
     return out;
 #endif
 }
-FGENV_INLINE uint32_t bits(L8 m) { return bits(__builtin_convertvector(m, I8)); }
 
 }  // namespace fgenv

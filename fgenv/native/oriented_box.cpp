@@ -100,7 +100,7 @@ OrientedBox fit_box(const std::vector<Vec3>& corners, const Box& upright) {
         axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
         e = {{upright.lo.x, upright.lo.y, upright.lo.z}, {upright.hi.x, upright.hi.y, upright.hi.z}};
     }
-    OrientedBox box;
+    OrientedBox box{};
     const Vec3 c = 0.5 * (e.lo[0] + e.hi[0]) * axes[0] + 0.5 * (e.lo[1] + e.hi[1]) * axes[1] +
                    0.5 * (e.lo[2] + e.hi[2]) * axes[2];
     // Rounding moves the centre by u |c| and turns the axes by u: both widen the box.

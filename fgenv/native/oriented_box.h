@@ -3,15 +3,11 @@
 
 #include <vector>
 
-#include "geometry.h"
+#include "tree.h"
 
 namespace fgenv {
 
-struct OrientedBox {
-    float centre[3], half[3], axis[3][3];
-};
-
-// `corners`: three a face. The box holds every corner although it is rounded to floats.
+// `corners`: three a face. The box holds every corner although it is rounded to floats; no child yet.
 OrientedBox fit_box(const std::vector<Vec3>& corners, const Box& upright);
 
 }  // namespace fgenv

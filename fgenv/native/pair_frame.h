@@ -12,8 +12,9 @@
 namespace fgenv {
 
 struct PairFrame {
-    float r[3][3], abs_r[3][3], t[3];
-    float slack;  // metres, on a coordinate
+    F4 columns[3], shift;    // of the rotation; the translation
+    float r[3][3], t[3];
+    float slack;             // metres, on a coordinate
 };
 
 struct BoxF {
@@ -34,31 +35,31 @@ static inline double skew(const Rigid& m) {
     return worst;
 }
 
-static inline double largest_coordinate(const Box& box) {
-    return greater(greater(greater(-box.lo.x, box.hi.x), greater(-box.lo.y, box.hi.y)),
-                     greater(-box.lo.z, box.hi.z));
-}
-
-static inline void to_float(const Rigid& m, float slack, PairFrame& out) {
+static inline PairFrame pair_frame(const float r[3][3], const float t[3], float slack) {
+    PairFrame out;
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            out.r[i][j] = static_cast<float>(m.r[i][j]);
-            out.abs_r[i][j] = std::fabs(out.r[i][j]);
-        }
-        out.t[i] = static_cast<float>(m.t[i]);
+        for (int j = 0; j < 3; ++j) out.r[i][j] = r[i][j];
+        out.t[i] = t[i];
+        out.columns[i] = F4{r[0][i], r[1][i], r[2][i], 0};
     }
+    out.shift = F4{t[0], t[1], t[2], 0};
     out.slack = slack;
+    return out;
 }
 
 static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid& pose) {
     const double reach = std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]) +
-                         1.8 * (std::fabs(largest_coordinate(a.mesh.bounds)) +
-                                std::fabs(largest_coordinate(b.mesh.bounds)));
+                         1.8 * (a.reach + b.reach);
     const float slack = static_cast<float>((16 * 0x1p-24 + 4 * skew(pose)) * reach);
-    PairFrames frames;
-    to_float(pose, slack, frames.b_in_a);
-    to_float(inverse(pose), slack, frames.a_in_b);
-    return frames;
+    float r[3][3], transposed[3][3], t[3], back[3];
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) r[i][j] = transposed[j][i] = static_cast<float>(pose.r[i][j]);
+        t[i] = static_cast<float>(pose.t[i]);
+        // The transpose will do for the inverse: what they differ by is in the slack.
+        back[i] = static_cast<float>(
+            -(pose.r[0][i] * pose.t[0] + pose.r[1][i] * pose.t[1] + pose.r[2][i] * pose.t[2]));
+    }
+    return {pair_frame(r, t, slack), pair_frame(transposed, back, slack)};
 }
 
 static inline BoxF box_of(const Tree& tree, Ref ref) {
@@ -75,8 +76,8 @@ static inline BoxF placed(const BoxF& box, const PairFrame& f) {
     BoxF out;
     for (int i = 0; i < 3; ++i) {
         out.c[i] = f.r[i][0] * box.c[0] + f.r[i][1] * box.c[1] + f.r[i][2] * box.c[2] + f.t[i];
-        out.h[i] = f.abs_r[i][0] * box.h[0] + f.abs_r[i][1] * box.h[1] + f.abs_r[i][2] * box.h[2] +
-                   f.slack;
+        out.h[i] = std::fabs(f.r[i][0]) * box.h[0] + std::fabs(f.r[i][1]) * box.h[1] +
+                   std::fabs(f.r[i][2]) * box.h[2] + f.slack;
     }
     return out;
 }

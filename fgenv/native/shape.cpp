@@ -1,6 +1,7 @@
 #include "shape.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "disjoint_sets.h"
 
@@ -53,9 +54,33 @@ std::vector<Part> find_parts(const Mesh& mesh, const FeatureGraph& graph) {
     return parts;
 }
 
+PackedBoxes find_anchors(const std::vector<Part>& parts) {
+    std::vector<Box> points;
+    for (const Part& part : parts) points.push_back({part[0], part[0]});
+    return pack_boxes(points);
+}
+
+PackedBoxes find_solids(const Mesh& mesh, double& longest) {
+    std::vector<Box> shells(mesh.closed.size(), empty_box()), solids;
+    for (size_t f = 0; f < mesh.faces.size(); ++f)
+        for (int32_t v : mesh.faces[f]) grow(shells[mesh.shell[f]], mesh.vertices[v]);
+    for (size_t i = 0; i < shells.size(); ++i)
+        if (mesh.closed[i] && shells[i].lo.x <= shells[i].hi.x) {
+            solids.push_back(shells[i]);
+            longest = std::max(longest, norm(shells[i].hi - shells[i].lo));
+        }
+    return pack_boxes(solids);
+}
+
 template <class T>
 size_t bytes(const std::vector<T>& v) {
     return v.capacity() * sizeof(T);
+}
+
+size_t bytes(const PackedBoxes& boxes) {
+    size_t n = bytes(boxes.items);
+    for (const auto& level : boxes.levels) n += bytes(level);
+    return n;
 }
 
 }  // namespace
@@ -65,8 +90,17 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
     shape.graph = build_graph(mesh, settings);
     shape.tree = build_tree(mesh, shape.graph);
     shape.parts = find_parts(mesh, shape.graph);
-    shape.solid = std::find(mesh.closed.begin(), mesh.closed.end(), 1) != mesh.closed.end();
-    for (const Vec3& p : mesh.vertices) shape.radius = std::max(shape.radius, norm(p));
+    shape.anchors = find_anchors(shape.parts);
+    shape.smallest_part = std::numeric_limits<double>::infinity();
+    for (const Part& part : shape.parts) {
+        const double length = std::max({norm(part[1] - part[0]), norm(part[3] - part[2]), norm(part[5] - part[4])});
+        shape.smallest_part = std::min(shape.smallest_part, length);
+    }
+    shape.solids = find_solids(mesh, shape.largest_solid);
+    for (const Vec3& p : mesh.vertices) {
+        shape.radius = std::max(shape.radius, norm(p));
+        shape.reach = std::max({shape.reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    }
     shape.mesh = std::move(mesh);
     // What only the build needed.
     shape.graph.kept = {};
@@ -74,6 +108,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
     shape.mesh.shell = {};
     shape.tree.nodes.shrink_to_fit();
     shape.tree.oriented.shrink_to_fit();
+    shape.tree.boxes.shrink_to_fit();
     shape.tree.leaves.shrink_to_fit();
     return shape;
 }
@@ -81,7 +116,8 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
 size_t memory_bytes(const Shape& s) {
     return sizeof(Shape) + bytes(s.mesh.vertices) + bytes(s.mesh.faces) + bytes(s.mesh.closed) +
            bytes(s.graph.points) + bytes(s.graph.edges) + bytes(s.graph.kinds) +
-           bytes(s.tree.nodes) + bytes(s.tree.oriented) + bytes(s.tree.leaves) + bytes(s.parts);
+           bytes(s.tree.nodes) + bytes(s.tree.oriented) + bytes(s.tree.boxes) + bytes(s.tree.leaves) + bytes(s.parts) +
+           bytes(s.anchors) + bytes(s.solids);
 }
 
 }  // namespace fgenv

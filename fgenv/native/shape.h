@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "packed_boxes.h"
 #include "tree.h"
 
 namespace fgenv {
@@ -16,8 +17,12 @@ struct Shape {
     FeatureGraph graph;
     Tree tree;
     std::vector<Part> parts;
-    bool solid = false;  // has a closed shell: other bodies can be inside it
-    double radius = 0;   // of the farthest vertex from the origin of the shape's frame, metres
+    PackedBoxes anchors;  // the first point of each part
+    PackedBoxes solids;   // around each closed shell: where a part can be inside
+    double radius = 0;         // of the farthest vertex from the origin of the shape's frame, metres
+    double reach = 0;          // the largest coordinate, up to its sign
+    double smallest_part = 0;  // a part is at least this long
+    double largest_solid = 0;  // a closed shell is at most this long
 };
 
 Shape build_shape(Mesh mesh, const GraphSettings& settings);

@@ -1,122 +1,129 @@
-// Binned surface-area splits (I. Wald, "On fast construction of SAH-based bounding volume
-// hierarchies", 2007), then the binary tree's largest nodes are opened until eight hang side by side.
+// Splits by surface area (I. Wald, "On fast construction of SAH-based bounding volume hierarchies",
+// 2007) along the axes of the box that fits, then the binary tree is cut into nodes of eight so that the
+// sum of the nodes' areas is least (H. Ylitie et al., "Efficient incoherent ray traversal on GPUs
+// through compressed wide BVHs", 2017, section 3.1).
 #include "tree.h"
-
-#include "oriented_box.h"
 
 #include <algorithm>
 #include <limits>
 
+#include "oriented_box.h"
+
 namespace fgenv {
 namespace {
 
-constexpr int bins = 32;
-constexpr int halving_depth = max_depth - 40;  // from here on parts are at most half: 31 levels more
-
-struct Item {
-    Box box;
-    Vec3 centre;
-    int32_t face;
-};
-
-struct Range {
-    int32_t first, count;
-    Box box;
-};
-
-Box bound(const std::vector<Item>& items, int32_t first, int32_t count) {
-    Box box = empty_box();
-    for (int32_t i = first; i < first + count; ++i) grow(box, items[i].box);
-    return box;
-}
+constexpr int bins = 16;
+constexpr int32_t sweep_limit = 64;             // faces; below, every position is tried
+constexpr int halving_depth = max_depth - 40;   // from here on parts are at most half: 31 levels more
 
 // What a set of faces costs to test, in leaves: a half-filled leaf costs as much as a full one.
 double leaf_count(int32_t faces) { return (faces + lanes - 1) / lanes; }
 
-struct Split {
-    double cost = std::numeric_limits<double>::infinity();
-    int axis = 0;
-    int32_t left = 0;
+struct Range {
+    int32_t first, count;
+    Box upright;
+    OrientedBox fitted;
 };
 
-// Every position of the faces sorted along an axis; the cheapest of the three axes.
-Split sweep(std::vector<Item>& items, Range range) {
-    Split best;
-    std::vector<double> right_area(range.count);
-    const auto begin = items.begin() + range.first, end = begin + range.count;
-    for (int axis = 0; axis < 3; ++axis) {
-        std::sort(begin, end, [axis](const Item& a, const Item& b) {
-            const double ca = coordinate(a.centre, axis), cb = coordinate(b.centre, axis);
-            return ca != cb ? ca < cb : a.face < b.face;
-        });
-        Box box = empty_box();
-        for (int32_t i = range.count - 1; i > 0; --i) {
-            grow(box, begin[i].box);
-            right_area[i] = half_area(box);
+// A face as a split sees it: its box in the frame of the range's fitted box.
+struct Item {
+    float lo[3], hi[3], centre[3];
+    int32_t face;
+};
+
+struct Bounds {
+    float lo[3] = {1e30f, 1e30f, 1e30f}, hi[3] = {-1e30f, -1e30f, -1e30f};
+    void add(const float* l, const float* h) {
+        for (int i = 0; i < 3; ++i) {
+            lo[i] = l[i] < lo[i] ? l[i] : lo[i];
+            hi[i] = h[i] > hi[i] ? h[i] : hi[i];
         }
-        box = empty_box();
-        for (int32_t i = 1; i < range.count; ++i) {
-            grow(box, begin[i - 1].box);
-            const double cost = half_area(box) * leaf_count(i) +
-                                right_area[i] * leaf_count(range.count - i);
+    }
+    double half_area() const {
+        const double x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
+        return x * y + y * z + z * x;
+    }
+};
+
+struct Split {
+    double cost = std::numeric_limits<double>::infinity();
+    int axis = -1;
+    int32_t left = 0;  // faces on the left (sweep), or the first bin on the right
+};
+
+// Every position of the faces sorted along each axis.
+Split sweep(Item* items, int32_t count) {
+    Split best;
+    double right_area[sweep_limit];
+    const auto sort_along = [&](int axis) {
+        std::sort(items, items + count, [axis](const Item& a, const Item& b) {
+            return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.face < b.face;
+        });
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        sort_along(axis);
+        Bounds bounds;
+        for (int32_t i = count - 1; i > 0; --i) {
+            bounds.add(items[i].lo, items[i].hi);
+            right_area[i] = bounds.half_area();
+        }
+        bounds = {};
+        for (int32_t i = 1; i < count; ++i) {
+            bounds.add(items[i - 1].lo, items[i - 1].hi);
+            const double cost =
+                bounds.half_area() * leaf_count(i) + right_area[i] * leaf_count(count - i);
             if (cost < best.cost) best = {cost, axis, i};
         }
     }
-    if (best.axis != 2)
-        std::sort(begin, end, [axis = best.axis](const Item& a, const Item& b) {
-            const double ca = coordinate(a.centre, axis), cb = coordinate(b.centre, axis);
-            return ca != cb ? ca < cb : a.face < b.face;
-        });
+    if (best.axis >= 0 && best.axis != 2) sort_along(best.axis);
     return best;
 }
 
-// The same at bin borders; 0 on the left if the centres coincide.
-Split split_at_bins(std::vector<Item>& items, Range range) {
-    Split best;
-    Box centres = empty_box();
-    for (int32_t i = range.first; i < range.first + range.count; ++i) grow(centres, items[i].centre);
-    double best_border = 0, best_lo = 0, best_scale = 0;
+// The same at the borders of bins; the faces are parted accordingly.
+Split split_at_bins(Item* items, int32_t count) {
+    Bounds centres;
+    for (int32_t i = 0; i < count; ++i) centres.add(items[i].centre, items[i].centre);
+    float scale[3];
+    struct Bin {
+        Bounds bounds;
+        int32_t count = 0;
+    } bin[3][bins];
     for (int axis = 0; axis < 3; ++axis) {
-        const double lo = coordinate(centres.lo, axis);
-        const double width = coordinate(centres.hi, axis) - lo;
-        if (!(width > 0)) continue;
-        const double scale = bins * (1 - 1e-9) / width;
-        Box box[bins];
-        int32_t count[bins] = {};
-        std::fill(box, box + bins, empty_box());
-        for (int32_t i = range.first; i < range.first + range.count; ++i) {
-            const int b = static_cast<int>((coordinate(items[i].centre, axis) - lo) * scale);
-            grow(box[b], items[i].box);
-            ++count[b];
+        const float width = centres.hi[axis] - centres.lo[axis];
+        scale[axis] = width > 0 ? bins * 0.9999f / width : 0;
+    }
+    const auto bin_of = [&](const Item& item, int axis) {
+        return static_cast<int>((item.centre[axis] - centres.lo[axis]) * scale[axis]);
+    };
+    for (int32_t i = 0; i < count; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            Bin& b = bin[axis][bin_of(items[i], axis)];
+            b.bounds.add(items[i].lo, items[i].hi);
+            ++b.count;
         }
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
         double right_area[bins];
-        Box sum = empty_box();
+        Bounds sum;
         for (int b = bins - 1; b > 0; --b) {
-            grow(sum, box[b]);
-            right_area[b] = half_area(sum);
+            sum.add(bin[axis][b].bounds.lo, bin[axis][b].bounds.hi);
+            right_area[b] = sum.half_area();
         }
-        sum = empty_box();
+        sum = {};
         int32_t left = 0;
         for (int b = 1; b < bins; ++b) {
-            grow(sum, box[b - 1]);
-            left += count[b - 1];
-            if (left == 0 || left == range.count) continue;
+            sum.add(bin[axis][b - 1].bounds.lo, bin[axis][b - 1].bounds.hi);
+            left += bin[axis][b - 1].count;
+            if (left == 0 || left == count) continue;
             const double cost =
-                half_area(sum) * leaf_count(left) + right_area[b] * leaf_count(range.count - left);
-            if (cost < best.cost) {
-                best = {cost, axis, left};
-                best_border = b;
-                best_lo = lo;
-                best_scale = scale;
-            }
+                sum.half_area() * leaf_count(left) + right_area[b] * leaf_count(count - left);
+            if (cost < best.cost) best = {cost, axis, b};
         }
     }
-    if (best.left > 0)
-        std::stable_partition(items.begin() + range.first, items.begin() + range.first + range.count,
-                              [&](const Item& item) {
-                                  return static_cast<int>((coordinate(item.centre, best.axis) - best_lo) *
-                                                          best_scale) < best_border;
-                              });
+    if (best.axis < 0) return best;
+    Item* middle = std::stable_partition(
+        items, items + count, [&](const Item& item) { return bin_of(item, best.axis) < best.left; });
+    best.left = static_cast<int32_t>(middle - items);
     return best;
 }
 
@@ -124,13 +131,7 @@ class TreeBuilder {
 public:
     TreeBuilder(const Mesh& mesh, const FeatureGraph& graph, Tree& tree)
         : mesh_(mesh), tree_(tree), items_(mesh.faces.size()), edge_bits_(mesh.faces.size(), 0) {
-        for (size_t f = 0; f < items_.size(); ++f) {
-            Item& item = items_[f];
-            item.box = empty_box();
-            for (int32_t v : mesh.faces[f]) grow(item.box, mesh.vertices[v]);
-            item.centre = 0.5 * (item.box.lo + item.box.hi);
-            item.face = static_cast<int32_t>(f);
-        }
+        for (size_t f = 0; f < items_.size(); ++f) items_[f].face = static_cast<int32_t>(f);
         // Each kept edge is tested with one of its faces: whatever it crosses, that face touches too.
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
             if (!graph.kept[i]) continue;
@@ -142,14 +143,24 @@ public:
     }
 
     void build() {
-        const int32_t n = static_cast<int32_t>(items_.size());
-        const Range all{0, n, bound(items_, 0, n)};
+        const Range all = fit(0, static_cast<int32_t>(items_.size()));
         push_node();
-        const int32_t child = n <= lanes ? add_leaf(all) : add_node(all, 1);
-        set_lane(0, 0, all, child);
+        set_lane(0, 0, all, add_wide(add_binary(all, 1)));
     }
 
 private:
+    Range fit(int32_t first, int32_t count) {
+        Range range{first, count, empty_box(), {}};
+        corners_.clear();
+        for (int32_t i = first; i < first + count; ++i)
+            for (int32_t v : mesh_.faces[items_[i].face]) {
+                corners_.push_back(mesh_.vertices[v]);
+                grow(range.upright, mesh_.vertices[v]);
+            }
+        range.fitted = fit_box(corners_, range.upright);
+        return range;
+    }
+
     int32_t push_node() {
         Node node{};
         Oriented oriented{};
@@ -159,6 +170,7 @@ private:
         }
         tree_.nodes.push_back(node);
         tree_.oriented.push_back(oriented);
+        tree_.boxes.resize(lanes * tree_.nodes.size());
         return static_cast<int32_t>(tree_.nodes.size() - 1);
     }
 
@@ -166,70 +178,137 @@ private:
         return static_cast<float>(0.5 * (coordinate(box.lo, axis) + coordinate(box.hi, axis)));
     }
 
+    static float half_of(const Box& box, int axis) {
+        const float centre = centre_of(box, axis);
+        const double half =
+            std::max(coordinate(box.hi, axis) - centre, centre - coordinate(box.lo, axis));
+        return std::nextafterf(static_cast<float>(half), std::numeric_limits<float>::infinity());
+    }
+
     void set_lane(int32_t node, int lane, const Range& range, int32_t child) {
         Node& n = tree_.nodes[node];
-        const Box& box = range.box;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double lo = coordinate(box.lo, axis), hi = coordinate(box.hi, axis);
-            const float centre = centre_of(box, axis);
-            const double half = std::max(hi - centre, centre - lo);
-            n.centre[axis][lane] = centre;
-            n.half[axis][lane] =
-                std::nextafterf(static_cast<float>(half), std::numeric_limits<float>::infinity());
-        }
         n.child[lane] = child;
-
-        corners_.clear();
-        for (int32_t i = range.first; i < range.first + range.count; ++i)
-            for (int32_t v : mesh_.faces[items_[i].face]) corners_.push_back(mesh_.vertices[v]);
-        const OrientedBox fitted = fit_box(corners_, box);
+        OrientedBox& box = tree_.boxes[lanes * node + lane];
+        box = range.fitted;
+        box.child = child;
         Oriented& o = tree_.oriented[node];
         for (int i = 0; i < 3; ++i) {
-            o.centre[i][lane] = fitted.centre[i];
-            o.half[i][lane] = fitted.half[i];
-            for (int k = 0; k < 3; ++k) o.axis[i][k][lane] = fitted.axis[i][k];
+            n.centre[i][lane] = centre_of(range.upright, i);
+            n.half[i][lane] = half_of(range.upright, i);
+            o.centre[i][lane] = box.centre[i];
+            o.half[i][lane] = box.half[i];
+            for (int k = 0; k < 3; ++k) o.axis[i][k][lane] = box.axis[i][k];
+        }
+    }
+
+    // Places the faces of a range in the frame of its box.
+    void place_items(const Range& range) {
+        const auto& axis = range.fitted.axis;
+        for (int32_t i = range.first; i < range.first + range.count; ++i) {
+            Item& item = items_[i];
+            const Face& f = mesh_.faces[item.face];
+            for (int k = 0; k < 3; ++k) {
+                const Vec3 along{axis[k][0], axis[k][1], axis[k][2]};
+                const float a = static_cast<float>(dot(along, mesh_.vertices[f[0]]));
+                const float b = static_cast<float>(dot(along, mesh_.vertices[f[1]]));
+                const float c = static_cast<float>(dot(along, mesh_.vertices[f[2]]));
+                item.lo[k] = std::min({a, b, c});
+                item.hi[k] = std::max({a, b, c});
+                item.centre[k] = 0.5f * (item.lo[k] + item.hi[k]);
+            }
         }
     }
 
     // Two parts, the left one first in items_. Deep down the faces are simply halved, so that the
     // depth has a bound whatever the mesh is.
     std::pair<Range, Range> split(const Range& range, int depth) {
+        place_items(range);
+        Item* items = items_.data() + range.first;
         int32_t left = 0;
         if (depth < halving_depth)
-            left = range.count <= 256 ? sweep(items_, range).left : split_at_bins(items_, range).left;
+            left = (range.count <= sweep_limit ? sweep(items, range.count)
+                                               : split_at_bins(items, range.count))
+                       .left;
         if (left <= 0 || left >= range.count) left = range.count / 2;
-        const Range a{range.first, left, bound(items_, range.first, left)};
-        const Range b{range.first + left, range.count - left,
-                      bound(items_, range.first + left, range.count - left)};
-        return {a, b};
+        return {fit(range.first, left), fit(range.first + left, range.count - left)};
     }
 
-    int32_t add_node(const Range& range, int depth) {
-        std::vector<Range> parts{range};
-        while (parts.size() < lanes) {
-            int widest = -1;
-            for (size_t i = 0; i < parts.size(); ++i)
-                if (parts[i].count > lanes &&
-                    (widest < 0 || half_area(parts[i].box) > half_area(parts[widest].box)))
-                    widest = static_cast<int>(i);
-            if (widest < 0) break;
-            const auto [a, b] = split(parts[widest], depth);
-            parts[widest] = a;
-            parts.push_back(b);
+    // A node of the binary tree. cost[i]: the least sum of areas of the wide nodes below, if the subtree
+    // may take i + 1 lanes of the wide node above it; left_lanes[i]: how many of them go to the left
+    // child then, 0 where it is best to take fewer.
+    struct Binary {
+        Range range;
+        int32_t left = -1, right = -1;
+        double cost[lanes] = {};
+        int8_t left_lanes[lanes] = {};
+    };
+
+    int32_t add_binary(const Range& range, int depth) {
+        const int32_t index = static_cast<int32_t>(binary_.size());
+        binary_.push_back({range});
+        if (range.count <= lanes) return index;
+        const auto [a, b] = split(range, depth);
+        const int32_t left = add_binary(a, depth + 1), right = add_binary(b, depth + 1);
+        Binary& node = binary_[index];
+        node.left = left;
+        node.right = right;
+        double best[lanes + 1];
+        int8_t best_left[lanes + 1];
+        for (int n = 2; n <= lanes; ++n) {
+            best[n] = std::numeric_limits<double>::infinity();
+            for (int8_t i = 1; i < n; ++i) {
+                const double cost = binary_[left].cost[i - 1] + binary_[right].cost[n - i - 1];
+                if (cost < best[n]) {
+                    best[n] = cost;
+                    best_left[n] = i;
+                }
+            }
         }
-        const int32_t index = push_node();
-        for (size_t i = 0; i < parts.size(); ++i) {
-            const int32_t child =
-                parts[i].count <= lanes ? add_leaf(parts[i]) : add_node(parts[i], depth + 1);
-            set_lane(index, static_cast<int>(i), parts[i], child);
+        node.cost[0] = area(range.fitted) + best[lanes];
+        node.left_lanes[0] = best_left[lanes];
+        for (int n = 2; n <= lanes; ++n) {
+            const bool fewer = node.cost[n - 2] <= best[n];
+            node.cost[n - 1] = fewer ? node.cost[n - 2] : best[n];
+            node.left_lanes[n - 1] = fewer ? 0 : best_left[n];
         }
         return index;
+    }
+
+    static double area(const OrientedBox& box) {
+        const float* h = box.half;
+        return h[0] * h[1] + h[1] * h[2] + h[2] * h[0];
+    }
+
+    // The binary nodes that take the `n` lanes of a wide node given to a subtree.
+    void gather(int32_t index, int n, std::vector<int32_t>& children) const {
+        const Binary& node = binary_[index];
+        while (n > 1 && node.left >= 0 && node.left_lanes[n - 1] == 0) --n;
+        if (n == 1 || node.left < 0) {
+            children.push_back(index);
+            return;
+        }
+        gather(node.left, node.left_lanes[n - 1], children);
+        gather(node.right, n - node.left_lanes[n - 1], children);
+    }
+
+    int32_t add_wide(int32_t index) {
+        if (binary_[index].left < 0) return add_leaf(binary_[index].range);
+        std::vector<int32_t> children;
+        gather(binary_[index].left, binary_[index].left_lanes[0], children);
+        gather(binary_[index].right, lanes - binary_[index].left_lanes[0], children);
+        const int32_t node = push_node();
+        for (size_t i = 0; i < children.size(); ++i)
+            set_lane(node, static_cast<int>(i), binary_[children[i]].range, add_wide(children[i]));
+        return node;
     }
 
     int32_t add_leaf(const Range& range) {
         Leaf leaf{};
         leaf.valid = (1u << range.count) - 1;
-        for (int axis = 0; axis < 3; ++axis) leaf.centre[axis] = centre_of(range.box, axis);
+        for (int axis = 0; axis < 3; ++axis) {
+            leaf.centre[axis] = centre_of(range.upright, axis);
+            leaf.half[axis] = half_of(range.upright, axis);
+        }
         for (int lane = 0; lane < lanes; ++lane) {  // spare lanes repeat the last face
             const int32_t f = items_[range.first + std::min(lane, range.count - 1)].face;
             leaf.face[lane] = f;
@@ -247,6 +326,7 @@ private:
     const Mesh& mesh_;
     Tree& tree_;
     std::vector<Item> items_;
+    std::vector<Binary> binary_;
     std::vector<uint8_t> edge_bits_;
     std::vector<Vec3> corners_;  // of the faces at hand, three each
 };

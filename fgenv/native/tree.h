@@ -22,17 +22,22 @@ struct alignas(32) Node {
     int32_t child[lanes];  // node, or ~leaf
 };
 
-// The same eight, as boxes in frames of their own: thin where the surface is flat, whichever way it
-// faces (S. Gottschalk et al., "OBBTree", 1996). For pairs of shapes; rays use the upright ones.
+// A box in a frame of its own: thin where the surface is flat, whichever way it faces (S. Gottschalk et
+// al., "OBBTree", 1996). For pairs of shapes; rays use the upright ones.
+struct alignas(64) OrientedBox {
+    float centre[3], half[3];
+    float axis[3][3];  // rows, orthonormal
+    int32_t child;     // as in Node
+};
+
+// A node's eight, lanes side by side; half is -1e30 in an empty lane.
 struct alignas(32) Oriented {
-    float centre[3][lanes];
-    float half[3][lanes];     // along the axes; -1e30 in an empty lane
-    float axis[3][3][lanes];  // axis, coordinate, lane; orthonormal
+    float centre[3][lanes], half[3][lanes], axis[3][3][lanes];
 };
 
 struct alignas(32) Leaf {
     float v[3][3][lanes];  // vertex, axis, lane; relative to the centre of the leaf's box
-    float centre[3];
+    float centre[3], half[3];  // upright box
     int32_t face[lanes];
     uint32_t valid;         // bit a lane
     uint8_t edges[lanes];   // bit k: edge (k, k + 1) of the face is in the graph and tested here
@@ -41,7 +46,8 @@ struct alignas(32) Leaf {
 
 struct Tree {
     std::vector<Node> nodes;  // nodes[0] holds the root in lane 0
-    std::vector<Oriented> oriented;  // as nodes
+    std::vector<Oriented> oriented;   // as nodes
+    std::vector<OrientedBox> boxes;   // the same, by Ref
     std::vector<Leaf> leaves;
 };
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from fgenv.collision import Shape, collide
 from fgenv.scenarios.body import Body, Scene
+from fgenv.scenarios.planar import Floats, as_poses
 from fgenv.scenarios.solids import mobile_robot, tank
 
 START = (0.0, 0.0, float(np.arctan2(5.0, 8.0)))
@@ -26,15 +27,27 @@ def three_tanks(
     """The scene, with the robot of `mesh` (any format trimesh reads, scaled) or the built-in one.
 
     A mesh is stood on the floor (its lowest vertex at z = 0), its origin on the path, x forward.
-    Raises ValueError where the robot collides at its start or its goal.
+    Raises ValueError where the robot is longer than 6 m, or collides at its start or its goal.
     """
     shape = _builtin(method) if mesh is None else Shape.load(mesh, scale=scale, method=method)
     height = 0.0 if mesh is None else -float(shape.vertices[:, 2].min())
     mover = Body(0, "robot", shape, START, height, own_bit=1)
     scene = Scene("three_tanks", mover, _tanks(method), START, GOAL)
-    _check(scene, "start", mesh)
-    _check(scene, "goal", mesh)
+    size = np.ptp(shape.vertices, axis=0)
+    if size.max() > 6.0:
+        raise ValueError(_too_big(mesh, size, "is too long for this scene"))
+    for end, place in (("start", START), ("goal", GOAL)):
+        pose = as_poses(place, height)
+        hit = [b.name for b in scene.obstacles if collide(shape, pose, b.shape, b.pose)]
+        if hit:
+            why = f"collides with {' and '.join(hit)} at its {end} ({place[0]:g}, {place[1]:g})"
+            raise ValueError(_too_big(mesh, size, why))
     return scene
+
+
+def _too_big(mesh: str | Path | None, size: Floats, why: str) -> str:
+    sides = " x ".join(f"{side:.3g}" for side in size)
+    return f"mesh {mesh}: a robot of {sides} m {why}; scale it down (0.001 if drawn in millimetres)"
 
 
 def _builtin(method: str) -> Shape:
@@ -49,17 +62,3 @@ def _tanks(method: str) -> list[Body]:
         shape = Shape(mesh.vertices, mesh.faces, method=method, name=name)
         bodies.append(Body(number, name, shape, (*place, 0.0)))
     return bodies
-
-
-def _check(scene: Scene, end: str, mesh: str | Path | None) -> None:
-    mover = scene.mover
-    mover.configuration = scene.goal if end == "goal" else scene.start
-    hit = [b.name for b in scene.obstacles if collide(mover.shape, mover.pose, b.shape, b.pose)]
-    mover.configuration = scene.start
-    if hit:
-        size = " x ".join(f"{s:.3g}" for s in np.ptp(mover.shape.vertices, axis=0))
-        raise ValueError(
-            f"mesh {mesh}: the robot ({size} m) collides with {' and '.join(hit)} at its {end} "
-            f"{getattr(scene, end)[:2]}; give a smaller one, or scale= "
-            "(0.001 for a mesh drawn in millimetres)"
-        )

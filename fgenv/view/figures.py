@@ -39,7 +39,7 @@ def feature_points(experiment: Experiment) -> Image.Image:
     """Figure 3: the published feature points on the robot and on tank 2."""
     panels, counts = [], []
     for body in (experiment.scene.mover, experiment.scene.obstacles[1]):
-        graph = _graph(body, "crease")
+        graph = _graph(body, "loop")
         picture = _alone(body)
         picture.points(placed(graph.points, body.pose), VERMILION, radius=2.2)
         panels.append(picture.image())
@@ -134,7 +134,7 @@ def collision(experiment: Experiment) -> Image.Image:
 def _near(bodies: list[Body], hit: Hit, colors: dict[str, Color]) -> Picture:
     solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
     point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
-    camera = close_up(point, solids, 1.1, *PANEL)
+    camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
     picture = stage(bodies, camera, colors, grid=0.25)
     if hit.contact.face is not None:
         body = pair[hit.body if hit.contact.edge_of == "a" else hit.mover]

@@ -43,14 +43,20 @@ class Picture:
         self._labels: list[tuple[tuple[float, float], str, Color, float]] = []
 
     def segments(
-        self, ends: ArrayLike, color: Color, *, width: float = 1.0, hidden: float = 0.0
+        self,
+        ends: ArrayLike,
+        color: Color,
+        *,
+        width: float = 1.0,
+        opacity: float = 1.0,
+        hidden: float = 0.0,
     ) -> None:
         """Draw segments (n, 2, 3), metres; width in pixels."""
         thick = max(1, round(width * FINE))
         for pixels, seen in self._traces(np.asarray(ends, dtype=np.float64).reshape(-1, 2, 3)):
-            opacity = 1.0 if seen else hidden
-            if opacity > 0.0:
-                self._draw.line(pixels, fill=_rgba(color, opacity), width=thick)
+            ink = opacity if seen else hidden
+            if ink > 0.0:
+                self._draw.line(pixels, fill=_rgba(color, ink), width=thick)
 
     def polyline(
         self, points: ArrayLike, color: Color, *, width: float = 2.0, hidden: float = 0.0

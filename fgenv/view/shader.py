@@ -98,8 +98,7 @@ class _View:
         if len(seen) == 0:
             return
         points = self.camera.eye + rays * distance[:, None]
-        normals = solid.normals(points, face)
-        normals[np.einsum("ni,ni->n", normals, rays) > 0] *= -1.0
+        normals = solid.normals(points, face, rays)
         shade = to_linear(solid.color) * self._lit(points, normals, solid.opacity == 1.0)
         color[seen] += solid.opacity * (shade - color[seen])
 

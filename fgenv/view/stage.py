@@ -40,47 +40,58 @@ def stage(
     solids = [Solid(b.shape, b.pose, colors.get(b.name, STEEL)) for b in bodies]
     picture = Picture(camera, [*solids, *extra], floor=Floor(grid=grid), samples=samples)
     for body in bodies:
-        picture.segments(placed(outline(body.shape), body.pose), INK, width=0.7)
+        edges = placed(outline(body.shape), body.pose)
+        if len(edges):
+            # Where edges are shorter than a few pixels, full ink would blacken the body.
+            pixels, _ = camera.project(edges)
+            typical = np.median(np.linalg.norm(pixels[:, 1] - pixels[:, 0], axis=1))
+            picture.segments(edges, INK, width=0.7, opacity=min(1.0, float(typical) / 3))
     return picture
 
 
 def portrait(body: Body, width: int, height: int, azimuth: float = -0.85) -> Camera:
     """A camera that sees the whole body from `azimuth` (rad about z), a little from above."""
     low, high = body.bounds
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    box, size = low + corners * (high - low), float(np.linalg.norm(high - low))
-    for distance in size * np.linspace(1.0, 4.0, 61):
+    points = placed(body.shape.vertices, body.pose)
+    border, frame = 0.06 * height, np.array([width, height])
+    for distance in float(np.linalg.norm(high - low)) * np.linspace(1.0, 4.0, 61):
         camera = _aimed((low + high) / 2, distance, azimuth, 0.42, 0.5, width, height)
-        pixels, depth = camera.project(box)
-        edge = 0.06 * height
-        inside = (pixels > edge) & (pixels < np.array([width, height]) - edge)
-        if (depth > 0).all() and inside.all():
+        pixels, depth = camera.project(points)
+        if (depth > 0).all() and (pixels > border).all() and (pixels < frame - border).all():
             break
     return camera
 
 
 def close_up(
-    point: Floats, solids: Sequence[Solid], distance: float, width: int, height: int
+    point: Floats,
+    normal: Floats,
+    solids: Sequence[Solid],
+    distance: float,
+    width: int,
+    height: int,
 ) -> Camera:
-    """A camera near a point (3,), where the fewest solids stand between."""
+    """A camera that sees a contact at a point (3,) from the side, with the least in between.
+
+    `normal` (3,) points away from the second body, on whose outside the camera stays.
+    """
     views = [(a, e) for e in (0.3, 0.6, 0.15) for a in np.linspace(-np.pi, np.pi, 24, False)]
     cameras = [_aimed(point, distance, a, e, 0.5, width, height) for a, e in views]
-    free = [_sight(point, camera, solids) for camera in cameras]
-    return cameras[int(np.argmax(free))]
+    lean = np.array([-camera.axes[2] @ normal for camera in cameras])
+    sight = np.array([_sight(point, camera, solids) for camera in cameras])
+    score = 10 * sight - np.abs(lean - 0.3) - 100 * (lean < 0)
+    return cameras[int(np.argmax(score))]
 
 
 def _sight(point: Floats, camera: Camera, solids: Sequence[Solid]) -> float:
-    """How much of a small bundle of sight lines from the point to the eye is free, 0 to 1."""
-    toward = np.array(camera.eye) - point
-    length = float(np.linalg.norm(toward))
-    side = camera.axes[:2] * (0.03 * length)
-    spread = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0)]) @ side
-    ends = np.array(camera.eye) + spread
-    rays = (ends - point) / np.linalg.norm(ends - point, axis=1, keepdims=True)
-    origins = point + 0.02 * length * rays
+    """How much of a small bundle of sight lines from the eye gets to the point, 0 to 1."""
+    eye = np.array(camera.eye)
+    length = float(np.linalg.norm(point - eye))
+    around = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (0, 2), (0, -2)])
+    toward = point + around @ camera.axes[:2] * (0.02 * length) - eye
+    rays = toward / np.linalg.norm(toward, axis=1, keepdims=True)
     blocked = np.zeros(len(rays), dtype=bool)
     for solid in solids:
-        blocked |= solid.hits(origins, rays)[0] < length
+        blocked |= solid.hits(eye, rays)[0] < 0.95 * length
     return 1.0 - float(blocked.mean())
 
 

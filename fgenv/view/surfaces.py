@@ -43,13 +43,22 @@ class Solid:
             distances[near], faces[near] = self.shape.raycast(starts, ways, self.pose)
         return distances, faces
 
-    def normals(self, points: Floats, faces: Ints) -> Floats:
-        """Unit normals (n, 3) for shading at points (n, 3) of faces (n,), world frame."""
+    def normals(self, points: Floats, faces: Ints, rays: Floats) -> Floats:
+        """Unit normals (n, 3) for shading at points (n, 3) of faces (n,), world frame, on the side
+        that the rays (n, 3) come from."""
         local = (points - self.pose[:3, 3]) @ self.pose[:3, :3]
         maps = self._maps[faces]
         normals = np.einsum("nij,nj->ni", maps[:, :, :3], local) + maps[:, :, 3]
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        # The face itself says which side is seen: a round normal may lean over the rim.
+        inside = _dot(self._flat[faces], rays @ self.pose[:3, :3]) > 0
+        normals[inside] *= -1.0
         return np.asarray(normals @ self.pose[:3, :3].T)
+
+    @cached_property
+    def _flat(self) -> Floats:
+        a, b, c = (self.shape.vertices[self.shape.faces[:, k]] for k in range(3))
+        return np.cross(b - a, c - a)
 
     @cached_property
     def _maps(self) -> Floats:

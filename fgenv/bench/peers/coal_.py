@@ -1,4 +1,4 @@
-"""coal (once hpp-fcl): BVHModelOBBRSS, functors made once."""
+"""coal (once hpp-fcl): BVHModelOBBRSS, requests and results made once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def _build(mesh: Mesh) -> Any:
     model = coal.BVHModelOBBRSS()
     model.beginModel(len(mesh.faces), len(mesh.vertices))
     model.addVertices(mesh.vertices)
-    model.addTriangles(np.asarray(mesh.faces, np.uint32).view(np.uint32))
+    model.addTriangles(mesh.faces.astype(np.uint32))
     model.endModel()
     return model
 
