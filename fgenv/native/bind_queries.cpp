@@ -10,6 +10,13 @@ namespace {
 
 using namespace nb::literals;
 
+const Shape& shape_of(nb::handle value, const char* name) {
+    Shape* shape = nullptr;
+    if (!nb::try_cast(value, shape, false) || !shape)
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted a Shape").c_str());
+    return *shape;
+}
+
 int threads_of(nb::handle value) {
     if (value.is_none()) return 0;
     int n = 0;
@@ -30,8 +37,9 @@ bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, doub
     return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
 }
 
-nb::object collide(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, double margin,
+nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, double margin,
                    nb::handle threads) {
+    const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     margin_of(margin);
     const int n_threads = threads_of(threads);
@@ -58,7 +66,8 @@ double distance_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid&
     return std::sqrt(kernels().nearest(a, b, pose, HUGE_VAL, false).squared);
 }
 
-nb::object distance(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, nb::handle threads) {
+nb::object distance(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb::handle threads) {
+    const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) return nb::cast(distance_of(a, ta.items[0], b, tb.items[0]));
@@ -135,7 +144,8 @@ ContactInfo contact_of(const Shape& a, const Rigid& ta, const Shape& b, const Ri
 
 nb::tuple tuple_of(Vec3 p) { return nb::make_tuple(p.x, p.y, p.z); }
 
-nb::object contact(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb) {
+nb::object contact(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
+    const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     if (!ta.single() || !tb.single())
         throw nb::value_error("Ta, Tb: contact takes one pose each, shape (4, 4); use collide for arrays");
@@ -146,7 +156,8 @@ nb::object contact(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb)
     return nb::make_tuple(tuple_of(c.point), tuple_of(c.normal), edge, c.face, c.edge_of_a);
 }
 
-nb::object nearest(const Shape& a, nb::handle Ta, const Shape& b, nb::handle Tb, nb::handle threads) {
+nb::object nearest(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb::handle threads) {
+    const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     const int n_threads = threads_of(threads);
     const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
@@ -230,12 +241,12 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-    m.def("collide", &collide, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "margin"_a = 0.0, "threads"_a = nb::none());
-    m.def("distance", &distance, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "threads"_a = nb::none());
-    m.def("nearest", &nearest, "a"_a, "Ta"_a, "b"_a, "Tb"_a, "threads"_a = nb::none());
-    m.def("contact", &contact, "a"_a, "Ta"_a, "b"_a, "Tb"_a);
-    m.def("contains", &contains, "shape"_a, "points"_a, "T"_a, "threads"_a = nb::none());
-    m.def("raycast", &raycast, "shape"_a, "origins"_a, "directions"_a, "T"_a, "max_distance"_a,
+    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0, "threads"_a = nb::none());
+    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none());
+    m.def("nearest", &nearest, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none());
+    m.def("contact", &contact, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
+    m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), "threads"_a = nb::none());
+    m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), "max_distance"_a,
           "threads"_a = nb::none());
 }
 

@@ -111,7 +111,7 @@ void bind_shape(nb::module_& m) {
                  new (self) Graph(
                      graph_of(build_graph(mesh, settings_of(method, valley, ridge, tolerance)), mesh));
              },
-             nb::arg("vertices"), nb::arg("faces"), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
+             nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
              nb::arg("tolerance"))
         .def_prop_ro("points", [](const Graph& g) { return rows3(g.points); })
         .def_prop_ro("edges",
@@ -136,7 +136,7 @@ void bind_shape(nb::module_& m) {
                  nb::gil_scoped_release released;
                  new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance)));
              },
-             nb::arg("vertices"), nb::arg("faces"), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
+             nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
              nb::arg("tolerance"))
         .def_prop_ro("vertices", [](const Shape& s) { return rows3(s.mesh.vertices); })
         .def_prop_ro("faces",

@@ -95,7 +95,7 @@ void drop_unused_vertices(Mesh& mesh) {
             mesh.vertices[n] = mesh.vertices[i];
             remap[i] = n++;
         }
-    mesh.repairs.unused_vertices = static_cast<int64_t>(mesh.vertices.size()) - n;
+    mesh.repairs.unused_vertices += static_cast<int64_t>(mesh.vertices.size()) - n;
     mesh.vertices.resize(n);
     for (Face& f : mesh.faces)
         for (int32_t& i : f) i = remap[i];
@@ -216,6 +216,30 @@ void find_shells(Mesh& mesh) {
         if (balance[i] != 0) mesh.closed[mesh.shell[mesh.edges[i].face[0]]] = 0;
 }
 
+// Drops the faces of zero area. One between three different vertices may close a T-junction, so a shell
+// counts as closed if it is with them or without.
+void drop_flat_faces(Mesh& mesh) {
+    const auto flat = [&](const Face& f) {
+        return collinear(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+    };
+    const std::vector<uint8_t> closed_before = mesh.closed;
+    std::vector<int32_t> shell_before;
+    size_t n = 0;
+    for (size_t f = 0; f < mesh.faces.size(); ++f) {
+        if (flat(mesh.faces[f])) continue;
+        shell_before.push_back(mesh.shell[f]);
+        mesh.faces[n++] = mesh.faces[f];
+    }
+    if (n == mesh.faces.size()) return;
+    mesh.repairs.degenerate_faces += static_cast<int64_t>(mesh.faces.size() - n);
+    mesh.faces.resize(n);
+    drop_unused_vertices(mesh);
+    find_edges(mesh);
+    orient(mesh);
+    find_shells(mesh);
+    for (size_t f = 0; f < n; ++f) mesh.closed[mesh.shell[f]] |= closed_before[shell_before[f]];
+}
+
 }  // namespace
 
 Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces) {
@@ -231,28 +255,12 @@ Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces) {
     drop_duplicate_faces(mesh);
     drop_unused_vertices(mesh);
 
-    // A face of zero area between three different vertices closes a T-junction: it counts for the
-    // topology (winding, shells, watertightness) and is dropped only then.
     find_edges(mesh);
     orient(mesh);
     find_shells(mesh);
-    mesh.watertight = std::find(mesh.closed.begin(), mesh.closed.end(), 0) == mesh.closed.end() &&
-                      !mesh.faces.empty();
-    size_t n = 0;
-    for (size_t f = 0; f < mesh.faces.size(); ++f) {
-        const Face& v = mesh.faces[f];
-        if (collinear(mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]])) continue;
-        mesh.shell[n] = mesh.shell[f];
-        mesh.faces[n++] = v;
-    }
-    if (n < mesh.faces.size()) {
-        mesh.repairs.degenerate_faces += static_cast<int64_t>(mesh.faces.size() - n);
-        mesh.faces.resize(n);
-        mesh.shell.resize(n);
-        drop_unused_vertices(mesh);
-        find_edges(mesh);
-        orient(mesh);
-    }
+    drop_flat_faces(mesh);
+    mesh.watertight = !mesh.faces.empty() &&
+                      std::find(mesh.closed.begin(), mesh.closed.end(), 0) == mesh.closed.end();
     for (const Vec3& p : mesh.vertices) grow(mesh.bounds, p);
     return mesh;
 }
