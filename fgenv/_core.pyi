@@ -58,10 +58,35 @@ class Shape:
     def native_graph(self) -> FeatureGraph: ...
 
 def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.0, threads: int | None = None) -> Any:
-    pass
+    """
+    Whether two posed shapes collide.
+
+    Exact for shapes of method `exact`; touching counts, and so does being inside a watertight shape.
+    Where either shape's method is `loop`, a's cycle is tested against b's faces, as published.
+
+    Args:
+        a, b: shapes.
+        Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
+        margin: metres; closer than this counts as a collision (distances are of the whole meshes).
+        threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
+
+    Returns:
+        bool for single poses, else a bool array of the broadcast shape.
+
+    Raises:
+        TypeError, ValueError: naming the argument, what came and what is wanted.
+    """
 
 def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
-    pass
+    """
+    Distance of two posed shapes in metres; 0 where they collide, containment included.
+
+    Args:
+        a, b, Ta, Tb, threads: as for collide.
+
+    Returns:
+        float for single poses, else a float64 array of the broadcast shape.
+    """
 
 def nearest(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
     pass

@@ -31,7 +31,7 @@ NOTE = (
 def peer_table(record: Record) -> Table:
     """Microseconds of every library on one pair."""
     a, b = record["triangles"]
-    hits = f"{record['poses']} poses, {100 * record['hit_share']:.0f} % hits"
+    hits = f"{100 * record['hit_share']:.0f} % hits"
     table = _table(f"{record['pair']}: {a} and {b} triangles, {hits}")
     table.add_column("", no_wrap=True)
     for column in ("batch", "free", "hit", "call", "p99", "dist", "build", "B/tri", "differ"):
@@ -63,18 +63,18 @@ def ratio_table(records: Sequence[Record], summary: dict[str, dict[str, float]])
         table.add_row(
             record["pair"],
             "/".join(_thousands(count) for count in record["triangles"]),
-            *(_number(record["ratio"].get(key), 1.0) for key in RATIOS.values()),
-            _number(record.get("threads_2"), 1.0),
+            *(_times(record["ratio"].get(key)) for key in RATIOS.values()),
+            _times(record.get("threads_2")),
             _number(own.get("bytes_per_triangle"), 1.0),
         )
     for which, title in (("mean", "geometric mean"), ("worst", "worst")):
         values = [summary.get(key, {}).get(which) for key in RATIOS.values()]
-        table.add_row(title, "", *(_number(value, 1.0) for value in values), "", "", style="bold")
+        table.add_row(title, "", *(_times(value) for value in values), "", "", style="bold")
     return table
 
 
 def _table(title: str) -> Table:
-    return Table(title=title, box=None, pad_edge=False, title_style="bold")
+    return Table(title=title, box=None, padding=(0, 0, 0, 1), pad_edge=False, title_style="bold")
 
 
 def _number(value: float | None, unit: float) -> str:
@@ -85,8 +85,15 @@ def _number(value: float | None, unit: float) -> str:
     return f"{shown:.0f}" if shown >= 100 else f"{shown:.3g}"
 
 
+def _times(value: float | None) -> str:
+    """Two digits are as many as a busy machine gives."""
+    if value is None:
+        return "-"
+    return f"{value:.1f}" if value >= 1 else f"{value:.2f}"
+
+
 def _thousands(count: int) -> str:
-    return str(count) if count < 1000 else f"{count / 1000:.3g}k"
+    return str(count) if count < 1000 else f"{count / 1000:.{1 if count < 10_000 else 0}f}k"
 
 
 def plot_times(records: Sequence[Record], path: Path) -> None:

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def read_mesh_file(
-    path: Path, scale: float = 1.0
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices (n, 3) in metres and faces (m, 3) of a mesh file.
 
     trimesh turns no axis: a COLLADA or GLB file keeps its own up axis.
@@ -32,9 +30,7 @@ def read_mesh_file(
 
     known = sorted(trimesh.available_formats())
     if path.suffix.lower().lstrip(".") not in known:
-        raise ValueError(
-            f"path: {path} has an unknown format, wanted one of {', '.join(known)}"
-        )
+        raise ValueError(f"path: {path} has an unknown format, wanted one of {', '.join(known)}")
     try:
         mesh = trimesh.load_mesh(path, process=False)
     except Exception as error:  # trimesh raises whatever its many readers raise

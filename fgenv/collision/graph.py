@@ -141,6 +141,4 @@ class FeatureGraph:
 
     def __repr__(self) -> str:
         bound = "" if self.tolerance is None else f", tolerance={self.tolerance:g} m"
-        return (
-            f"FeatureGraph({self.method}: {len(self.points)} points, {len(self.edges)} edges{bound})"
-        )
+        return f"FeatureGraph({self.method}: {len(self.points)} points, {len(self.edges)} edges{bound})"

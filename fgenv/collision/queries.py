@@ -31,7 +31,7 @@ class Contact(NamedTuple):
 
     point: NDArray[np.float64]  # (3,)
     normal: NDArray[np.float64]  # (3,), unit: the way to push a off b
-    edge: NDArray[np.float64] | None  # (2, 3) ends of the feature edge; None: one is inside the other
+    edge: NDArray[np.float64] | None  # (2, 3) ends of the feature edge; None: one is inside
     face: int | None  # index of the face that it meets, of the other shape
     edge_of: str | None  # "a" or "b": whose feature edge
 

@@ -138,10 +138,11 @@ class Shape(_core.Shape):
         return _rebuild, (type(self), self.vertices, self.faces, tuple(self.settings), self.name)
 
     def _report(self) -> None:
-        done = [f"{n} {what.replace('_', ' ')}" for what, n in self.repairs.items() if n]
         label = f"mesh {self.name!r}" if self.name else "mesh"
-        if self.repairs["degenerate_faces"] or self.repairs["duplicate_faces"] or self.repairs["flipped_faces"]:
-            warnings.warn(f"{label} repaired: {', '.join(done)}", MeshWarning, stacklevel=4)
+        done = {what: n for what, n in self.repairs.items() if n}
+        if not done.keys() <= {"merged_vertices"}:  # an STL file repeats every vertex: no news
+            told = ", ".join(f"{n} {what.replace('_', ' ')}" for what, n in done.items())
+            warnings.warn(f"{label} repaired: {told}", MeshWarning, stacklevel=4)
         if not self.watertight:
             warnings.warn(
                 f"{label} is not watertight: its closed shells are solid, the rest is a surface",

@@ -241,8 +241,31 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0, "threads"_a = nb::none());
-    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none());
+    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0, "threads"_a = nb::none(),
+          R"(Whether two posed shapes collide.
+
+Exact for shapes of method `exact`; touching counts, and so does being inside a watertight shape.
+Where either shape's method is `loop`, a's cycle is tested against b's faces, as published.
+
+Args:
+    a, b: shapes.
+    Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
+    margin: metres; closer than this counts as a collision (distances are of the whole meshes).
+    threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
+
+Returns:
+    bool for single poses, else a bool array of the broadcast shape.
+
+Raises:
+    TypeError, ValueError: naming the argument, what came and what is wanted.)");
+    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none(),
+          R"(Distance of two posed shapes in metres; 0 where they collide, containment included.
+
+Args:
+    a, b, Ta, Tb, threads: as for collide.
+
+Returns:
+    float for single poses, else a float64 array of the broadcast shape.)");
     m.def("nearest", &nearest, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none());
     m.def("contact", &contact, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
     m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), "threads"_a = nb::none());

@@ -180,6 +180,11 @@ bool surfaces_meet(const Query& q) {
     return false;
 }
 
+bool is_any_around(const PackedBoxes& boxes, const Box& inner) {
+    BoxSearch search = search_boxes(boxes, inner.lo, inner.hi);
+    return next(search) >= 0;
+}
+
 // A part of `inner` is inside `outer`, given that their surfaces do not meet. Asked are the parts whose
 // first point is within outer's bounds, if all their points are within the bounds of one closed shell.
 bool contained(const Shape& inner, const Shape& outer, const Rigid& inner_in_outer,
@@ -190,13 +195,14 @@ bool contained(const Shape& inner, const Shape& outer, const Rigid& inner_in_out
     const Vec3 hi{around.c[0] + around.h[0], around.c[1] + around.h[1], around.c[2] + around.h[2]};
     BoxSearch near = search_boxes(inner.anchors, hi, lo);
     for (int32_t index; (index = next(near)) >= 0;) {
-        Box part = empty_box();
+        const Vec3 first = apply(inner_in_outer, inner.parts[index][0]);
+        if (!is_any_around(outer.solids, {first, first})) continue;
+        Box part{first, first};
         for (const Vec3& p : inner.parts[index]) grow(part, apply(inner_in_outer, p));
-        BoxSearch holding = search_boxes(outer.solids, part.lo, part.hi);
-        if (next(holding) < 0) continue;
+        if (!is_any_around(outer.solids, part)) continue;
         bool touching = false;
         point = inner.parts[index][0];
-        if (winding(outer, apply(inner_in_outer, point), touching) != 0 || touching) return true;
+        if (winding(outer, first, touching) != 0 || touching) return true;
     }
     return false;
 }
