@@ -162,6 +162,17 @@ def test_a_shape_collides_with_itself(solid: Solid) -> None:
         assert collide(a, place, b, place)
 
 
+def test_touching_stays_touching_when_both_take_one_pose() -> None:
+    """The same matrix for both moves nothing against nothing, whatever its digits."""
+    rng = np.random.default_rng(7)
+    places = np.stack([somewhere(rng) for _ in range(300)])
+    cube, beside = shape(box(1.0)), shape(moved(box(0.5), x=0.75))
+    assert collide(cube, places, beside, places).all()
+    sheet = shape(opened(ball(1.0)))  # no interior: only touching can show it
+    assert collide(sheet, places, sheet, places).all()
+    assert not collide(cube, places, shape(moved(box(0.5), x=0.75 + 1e-9)), places).any()
+
+
 # Flush faces: FCL misses some of these
 
 

@@ -33,7 +33,7 @@ double margin_of(double margin) {
 
 bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
     const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, nullptr)) return true;
+    if (kernels().collide(a, b, pose, margin > 0, nullptr)) return true;
     return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
 }
 
@@ -62,7 +62,7 @@ Nearest nearest_pair(const Shape& a, const Rigid& ta, const Shape& b, const Rigi
 
 double distance_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
     const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, nullptr)) return 0;
+    if (kernels().collide(a, b, pose, true, nullptr)) return 0;
     return std::sqrt(kernels().nearest(a, b, pose, HUGE_VAL, false).squared);
 }
 
@@ -110,11 +110,11 @@ Vec3 crossing_point(Vec3 p, Vec3 q, const Vec3 f[3]) {
     return p + lesser(greater(hp / (hp - hq), 0.0), 1.0) * (q - p);
 }
 
-ContactInfo contact_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
+ContactInfo contact_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, bool lossless) {
     const Rigid pose = relative(ta, tb);
     Witness w;
     ContactInfo out;
-    out.hit = kernels().collide(a, b, pose, &w);
+    out.hit = kernels().collide(a, b, pose, lossless, &w);
     if (!out.hit) return out;
     if (w.side == Witness::a_inside_b || w.side == Witness::b_inside_a) {
         out.point = apply(w.side == Witness::a_inside_b ? ta : tb, w.point);
@@ -149,7 +149,7 @@ nb::object contact(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     if (!ta.single() || !tb.single())
         throw nb::value_error("Ta, Tb: contact takes one pose each, shape (4, 4); use collide for arrays");
-    const ContactInfo c = contact_of(a, ta.items[0], b, tb.items[0]);
+    const ContactInfo c = contact_of(a, ta.items[0], b, tb.items[0], false);
     if (!c.hit) return nb::none();
     nb::object edge = nb::none();
     if (c.has_edge) edge = nb::make_tuple(tuple_of(c.edge[0]), tuple_of(c.edge[1]));
@@ -171,7 +171,7 @@ nb::object nearest(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb:
     parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
             const Rigid &at = ta.items[shape.offset(0, i)], &bt = tb.items[shape.offset(1, i)];
-            const ContactInfo c = contact_of(a, at, b, bt);
+            const ContactInfo c = contact_of(a, at, b, bt, true);
             if (c.hit) {
                 d.data[i] = 0;
                 put(pa.data + 3 * i, c.point);
@@ -250,7 +250,8 @@ Where either shape's method is `loop`, a's cycle is tested against b's faces, as
 Args:
     a, b: shapes.
     Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
-    margin: metres; closer than this counts as a collision (distances are of the whole meshes).
+    margin: metres; over 0, what is no farther apart than this collides. Distances are exact whatever
+        the shapes' methods, and so is this verdict.
     threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
 Returns:
@@ -260,6 +261,8 @@ Raises:
     TypeError, ValueError: naming the argument, what came and what is wanted.)");
     m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none(),
           R"(Distance of two posed shapes in metres; 0 where they collide, containment included.
+
+Exact whatever the shapes' methods.
 
 Args:
     a, b, Ta, Tb, threads: as for collide.

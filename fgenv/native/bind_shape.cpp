@@ -69,6 +69,7 @@ struct Graph {  // the feature graph on its own, with the vertices it needs
 Graph graph_of(const FeatureGraph& graph, const Mesh& mesh) {
     Graph out{graph, {}};
     out.graph.kept = {};
+    out.graph.lossless = {};
     for (int32_t v : graph.points) out.points.push_back(mesh.vertices[v]);
     return out;
 }

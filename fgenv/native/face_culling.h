@@ -146,7 +146,7 @@ FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Lo
     among &= bits(meet);
     if (!among) return 0;
 
-    const F8 both = own + theirs;
+    const F8 both = splat(2.0f) * (own + theirs);
     for (int k = 0; k < 3; ++k) {
         F8 u[3];
         for (int x = 0; x < 3; ++x) u[x] = splat(f.v[(k + 1) % 3][x][i] - f.v[k][x][i]);

@@ -92,6 +92,9 @@ FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings) {
     FeatureGraph graph;
     graph.settings = settings;
     graph.kept.assign(mesh.edges.size(), 0);
+    graph.lossless.assign(mesh.edges.size(), 0);
+    for (size_t i = 0; i < mesh.edges.size(); ++i)
+        graph.lossless[i] = !two_faced(mesh.edges[i]) || !is_flat(mesh, mesh.edges[i]);
     Builder build(mesh, graph);
 
     if (settings.method == Method::loop) {
@@ -110,15 +113,15 @@ FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings) {
             graph.kept[i] = !two_faced(e) || patch[e.face[0]] != patch[e.face[1]];
         }
         graph.certificate = settings.tolerance;
-    } else {
+    } else if (settings.method == Method::crease) {
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
             const Edge& e = mesh.edges[i];
-            graph.kept[i] = !two_faced(e) || (settings.method == Method::exact
-                                                  ? !is_flat(mesh, e)
-                                                  : is_crease(mesh, e, settings));
+            graph.kept[i] = !two_faced(e) || is_crease(mesh, e, settings);
         }
-        graph.certificate =
-            settings.method == Method::exact ? 0.0 : patch_certificate(mesh, graph.kept);
+        graph.certificate = patch_certificate(mesh, graph.kept);
+    } else {
+        graph.kept = graph.lossless;
+        graph.certificate = 0;
     }
     for (size_t i = 0; i < mesh.edges.size(); ++i) {
         const Edge& e = mesh.edges[i];

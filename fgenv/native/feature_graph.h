@@ -20,6 +20,7 @@ struct FeatureGraph {
     std::vector<std::array<int32_t, 2>> edges;    // into points
     std::vector<Kind> kinds;                      // per edge
     std::vector<uint8_t> kept;                    // per edge of the mesh: it is in the graph
+    std::vector<uint8_t> lossless;                // per edge of the mesh: it is in the exact graph
     double certificate = 0;                       // metres; infinite: no bound; NaN: none claimed
 };
 

@@ -83,17 +83,24 @@ static inline Rigid inverse(const Rigid& m) {
 }
 
 // Frame of b seen from the frame of a. The origins are subtracted first: 1e6 m from the world's
-// origin the difference is still exact, while a product of the two poses would have lost it.
+// origin the difference is still exact, while a product of the two poses would have lost it. And equal
+// rotations cancel exactly, so that what touches in one frame touches in every frame.
 static inline Rigid relative(const Rigid& a, const Rigid& b) {
     double inv[3][3];
     invert3(a.r, inv);
     const double d[3] = {b.t[0] - a.t[0], b.t[1] - a.t[1], b.t[2] - a.t[2]};
     Rigid out;
+    bool turned = false;
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j)
+        for (int j = 0; j < 3; ++j) {
             out.r[i][j] = inv[i][0] * b.r[0][j] + inv[i][1] * b.r[1][j] + inv[i][2] * b.r[2][j];
+            turned |= a.r[i][j] != b.r[i][j];
+        }
         out.t[i] = inv[i][0] * d[0] + inv[i][1] * d[1] + inv[i][2] * d[2];
     }
+    if (!turned)
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) out.r[i][j] = i == j;
     return out;
 }
 

@@ -16,6 +16,7 @@ struct Query {
     const Shape& b;
     const Rigid& pose;  // b in a's frame
     PairFrames frames;
+    int first_bit;  // of the edges asked for, in Leaf::edges
     Witness* witness;
 };
 
@@ -65,9 +66,9 @@ bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf& lb, int j) {
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
         Witness::Side found = Witness::none;
-        if (la.edges[i] >> k & 1 && edge_meets_face(a[k], side_a[k], a[l], side_a[l], b))
+        if (la.edges[i] >> (q.first_bit + k) & 1 && edge_meets_face(a[k], side_a[k], a[l], side_a[l], b))
             found = Witness::edge_of_a;
-        else if (lb.edges[j] >> k & 1 && edge_meets_face(b[k], side_b[k], b[l], side_b[l], a))
+        else if (lb.edges[j] >> (q.first_bit + k) & 1 && edge_meets_face(b[k], side_b[k], b[l], side_b[l], a))
             found = Witness::edge_of_b;
         if (found == Witness::none) continue;
         if (q.witness) *q.witness = {found, la.face[i], lb.face[j], k, {0, 0, 0}};
@@ -224,10 +225,10 @@ bool chords_meet(const Shape& a, const Shape& b, const Rigid& pose, Witness* wit
 
 }  // namespace
 
-bool collide(const Shape& a, const Shape& b, const Rigid& pose, Witness* witness) {
-    if (a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop)
+bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, Witness* witness) {
+    if (!lossless && (a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop))
         return chords_meet(a, b, pose, witness);
-    const Query query{a, b, pose, pair_frames(a, b, pose), witness};
+    const Query query{a, b, pose, pair_frames(a, b, pose), lossless ? 3 : 0, witness};
     F8 centres;
     const PairFrame& frame = query.frames.b_in_a;
     if (!meeting(a.tree.oriented[0], placed(b.tree.boxes[0], frame), frame.slack, centres)) return false;

@@ -199,7 +199,7 @@ FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const floa
         radius += splat(std::fabs(box_along) * box.h[i]);
     }
     const F8 apart = max(along - radius, F8{});
-    const F8 bound = max(max(here, there), apart * apart) * splat(0.99999f);
+    const F8 bound = max(max(here, there), apart * apart) * splat(0.9999f);  // a pose may be askew by 1e-5
     order = bound + (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * splat(1e-2f);
     return h[0] >= splat(0.0f) ? bound : splat(HUGE_VALF);
 }

@@ -2,7 +2,7 @@
 
 namespace fgenv::FGENV_ISA {
 
-bool collide(const Shape& a, const Shape& b, const Rigid& pose, Witness* witness);
+bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, Witness* witness);
 Nearest nearest(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any);
 RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance);
 int winding(const Shape& s, Vec3 p, bool& touching);

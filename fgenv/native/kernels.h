@@ -30,7 +30,9 @@ struct RayHit {
 
 // Poses are b's in a's frame.
 struct Kernels {
-    bool (*collide)(const Shape& a, const Shape& b, const Rigid& pose, Witness* witness);
+    // By the edges of the shapes' graphs; with lossless = true by those of the exact graphs, whatever
+    // the shapes' methods.
+    bool (*collide)(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, Witness* witness);
     // The nearest pair of points of the two surfaces that is closer than sqrt(bound); face_a < 0 if
     // there is none. With any = true the first pair found within the bound.
     Nearest (*nearest)(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any);

@@ -50,7 +50,7 @@ static inline PairFrame pair_frame(const float r[3][3], const float t[3], float 
 static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid& pose) {
     const double reach = std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]) +
                          1.8 * (a.reach + b.reach);
-    const float slack = static_cast<float>((16 * 0x1p-24 + 4 * skew(pose)) * reach);
+    const float slack = static_cast<float>((32 * 0x1p-24 + 4 * skew(pose)) * reach);
     float r[3][3], transposed[3][3], t[3], back[3];
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) r[i][j] = transposed[j][i] = static_cast<float>(pose.r[i][j]);

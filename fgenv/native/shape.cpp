@@ -104,6 +104,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
     shape.mesh = std::move(mesh);
     // What only the build needed.
     shape.graph.kept = {};
+    shape.graph.lossless = {};
     shape.mesh.edges = {};
     shape.mesh.shell = {};
     shape.tree.nodes.shrink_to_fit();

@@ -134,11 +134,12 @@ public:
         for (size_t f = 0; f < items_.size(); ++f) items_[f].face = static_cast<int32_t>(f);
         // Each kept edge is tested with one of its faces: whatever it crosses, that face touches too.
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
-            if (!graph.kept[i]) continue;
+            const int wanted = graph.kept[i] | graph.lossless[i] << 3;
+            if (!wanted) continue;
             const Edge& e = mesh.edges[i];
             const Face& f = mesh.faces[e.face[0]];
             const int k = f[0] != e.a && f[0] != e.b ? 1 : f[1] != e.a && f[1] != e.b ? 2 : 0;
-            edge_bits_[e.face[0]] |= static_cast<uint8_t>(1 << k);
+            edge_bits_[e.face[0]] |= static_cast<uint8_t>(wanted << k);
         }
     }
 

@@ -40,7 +40,8 @@ struct alignas(32) Leaf {
     float centre[3], half[3];  // upright box
     int32_t face[lanes];
     uint32_t valid;         // bit a lane
-    uint8_t edges[lanes];   // bit k: edge (k, k + 1) of the face is in the graph and tested here
+    uint8_t edges[lanes];   // bit k: edge (k, k + 1) of the face is in the graph and tested here;
+                            // bit 3 + k: it is in the exact graph
     uint8_t bounds[lanes];  // 1: the face belongs to a closed shell
 };
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
-from scipy.ndimage import maximum_filter
 
 from fgenv.view.camera import Camera
 from fgenv.view.palette import INK, WHITE, Color, to_srgb
@@ -37,7 +36,8 @@ class Picture:
         color, depth = render(camera, solids, floor=floor, light=light, samples=samples)
         self._base = Image.fromarray((to_srgb(color) * 255 + 0.5).astype(np.uint8))
         # A line on a silhouette is seen if any neighbour lets it be seen.
-        self._depth = np.asarray(maximum_filter(depth, size=3))
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(depth, 1, mode="edge"), (3, 3))
+        self._depth: NDArray[np.float64] = around.max(axis=(2, 3))
         self._layer = Image.new("RGBA", (FINE * camera.width, FINE * camera.height))
         self._draw = ImageDraw.Draw(self._layer)
         self._labels: list[tuple[tuple[float, float], str, Color, float]] = []
