@@ -31,6 +31,15 @@ FGENV_INLINE PlacedBox placed(const OrientedBox& box, const PairFrame& f) {
     return out;
 }
 
+FGENV_INLINE void load_axes(const Oriented& n, F8 (&axis)[3][3]) {
+    for (int i = 0; i < 2; ++i)
+        for (int k = 0; k < 3; ++k) axis[i][k] = load(n.axis[i][k]);
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        axis[2][i] = axis[0][j] * axis[1][k] - axis[0][k] * axis[1][j];
+    }
+}
+
 // Which of the eight meet `box`: the normals of both boxes' faces, then the products of their edges.
 // `centres`: squared distances of the centres, for the order of the search.
 FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float slack, F8& centres) {
@@ -39,13 +48,15 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float sla
         d[k] = load(n.centre[k]) - splat(box.c[k]);
         h[k] = load(n.half[k]);
     }
+    F8 axis[3][3];
+    load_axes(n, axis);
     centres = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     I8 meet = I8{} == 0;
     for (int j = 0; j < 3; ++j) {
         const F8 x = splat(box.axis[j][0]), y = splat(box.axis[j][1]), z = splat(box.axis[j][2]);
         F8 radius = splat(box.h[j] + slack);
         for (int i = 0; i < 3; ++i) {
-            r[i][j] = fused(z, load(n.axis[i][2]), fused(y, load(n.axis[i][1]), x * load(n.axis[i][0])));
+            r[i][j] = fused(z, axis[i][2], fused(y, axis[i][1], x * axis[i][0]));
             abs_r[i][j] = abs(r[i][j]);
             radius = fused(h[i], abs_r[i][j], radius);
         }
@@ -53,7 +64,7 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float sla
     }
     if (!bits(meet)) return 0;
     for (int i = 0; i < 3; ++i) {
-        along_n[i] = fused(d[2], load(n.axis[i][2]), fused(d[1], load(n.axis[i][1]), d[0] * load(n.axis[i][0])));
+        along_n[i] = fused(d[2], axis[i][2], fused(d[1], axis[i][1], d[0] * axis[i][0]));
         F8 radius = h[i] + splat(slack);
         for (int j = 0; j < 3; ++j) radius = fused(abs_r[i][j], splat(box.h[j]), radius);
         meet &= abs(along_n[i]) <= radius;

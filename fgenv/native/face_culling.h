@@ -14,16 +14,18 @@ struct FacesF {
     F8 scale;    // sum of the lengths of two sides (1-norm)
 };
 
-// Float errors of a leaf pair in the frame of a's leaf, where coordinates are no larger than `size`.
-// A coordinate is off by less than `slack`: rounding the vertex, the rotation, three products, the sums
-// (10 units at most). A volume is a determinant of three differences, each off by 2 slack: for the
-// differences u, v, w it is off by less than volume_slack (|u||v| + |v||w| + |w||u|) in 1-norms.
+// Float errors of a leaf pair in the frame of a's leaf; `size` bounds the 1-norm of every difference of
+// two points. In units u = 2^-24: a vertex of b is rounded (1 u of its size), turned by a rounded
+// rotation (1 u), in three products and three sums (1 u of the size and 3 u of the partial sums at the
+// most), which is less than 4 u size = slack; one of a is only rounded. A volume is a determinant of
+// three differences, each off by 2 slack: for differences u, v, w it is off by less than
+// volume_slack (|u||v| + |v||w| + |w||u|) in 1-norms, its own rounding included.
 struct Local {
     float size, slack, volume_slack;
 };
 
 FGENV_INLINE Local local_errors(float size) {
-    const float slack = 10 * 0x1p-24f * size;
+    const float slack = 4 * 0x1p-24f * size;
     return {size, slack, 4 * slack};
 }
 

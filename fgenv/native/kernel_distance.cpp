@@ -168,13 +168,14 @@ void nearest_points(const Corners& a, const Corners& b, Nearest& out) {
 // that overlap.
 FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const float towards[3], float slack,
                              F8& order) {
-    F8 d[3], h[3], abs_r[3][3], here = F8{}, there = F8{};
+    F8 d[3], h[3], axis[3][3], abs_r[3][3], here = F8{}, there = F8{};
+    load_axes(n, axis);
     for (int k = 0; k < 3; ++k) {
         d[k] = load(n.centre[k]) - splat(box.c[k]);
         h[k] = load(n.half[k]);
     }
     for (int i = 0; i < 3; ++i) {
-        const F8 x = load(n.axis[i][0]), y = load(n.axis[i][1]), z = load(n.axis[i][2]);
+        const F8 x = axis[i][0], y = axis[i][1], z = axis[i][2];
         F8 radius = h[i] + splat(slack);
         for (int j = 0; j < 3; ++j) {
             abs_r[i][j] = abs(x * splat(box.axis[j][0]) + y * splat(box.axis[j][1]) + z * splat(box.axis[j][2]));
@@ -193,7 +194,7 @@ FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const floa
     for (int i = 0; i < 3; ++i) {
         along -= d[i] * splat(towards[i]);
         F8 axis_along = F8{};
-        for (int k = 0; k < 3; ++k) axis_along += load(n.axis[i][k]) * splat(towards[k]);
+        for (int k = 0; k < 3; ++k) axis_along += axis[i][k] * splat(towards[k]);
         radius += abs(axis_along) * h[i];
         const float box_along = box.axis[i][0] * towards[0] + box.axis[i][1] * towards[1] + box.axis[i][2] * towards[2];
         radius += splat(std::fabs(box_along) * box.h[i]);
@@ -263,14 +264,13 @@ void measure(Search& q, Candidates& c) {
     c.count = 0;
 }
 
-void add_candidate(Search& q, Candidates& c, int32_t face_a, int32_t face_b) {
-    const Corners a = corners(q.a, face_a), b = corners(q.b, face_b);
+void add_candidate(Search& q, Candidates& c, const Leaf& la, int i, const Leaf& lb, int j) {
     for (int k = 0; k < 3; ++k) {
-        put(c.a[k], c.count, a.v[k]);
-        put(c.b[k], c.count, apply(q.pose, b.v[k]));
+        put(c.a[k], c.count, q.a.mesh.vertices[la.vertex[k][i]]);
+        put(c.b[k], c.count, apply(q.pose, q.b.mesh.vertices[lb.vertex[k][j]]));
     }
-    c.face_a[c.count] = face_a;
-    c.face_b[c.count] = face_b;
+    c.face_a[c.count] = la.face[i];
+    c.face_b[c.count] = lb.face[j];
     if (++c.count == width) measure(q, c);
 }
 
@@ -365,7 +365,7 @@ void search_leaves(Search& q, const Leaf& la, const Leaf& lb) {
         const uint32_t ahead = in_b & bits(b_start <= splat(a_end[i] + radius));
         if (!ahead) continue;
         for (uint32_t m = within(a, i, b, local, radius, ahead); m; m &= m - 1)
-            add_candidate(q, candidates, la.face[i], lb.face[__builtin_ctz(m)]);
+            add_candidate(q, candidates, la, i, lb, __builtin_ctz(m));
         const float now = limit_of(q);
         if (now < limit) radius = (limit = now) + 4 * local.slack;
     }

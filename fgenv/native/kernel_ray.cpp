@@ -125,9 +125,8 @@ FGENV_INLINE uint32_t near_ray(const Leaf& leaf, const Ray& ray) {
     return leaf.valid & bits((lo >= -slack) | (hi <= slack));
 }
 
-FGENV_INLINE void load_face(const Shape& s, int32_t face, Vec3 out[3]) {
-    const Face& f = s.mesh.faces[face];
-    for (int k = 0; k < 3; ++k) out[k] = s.mesh.vertices[f[k]];
+FGENV_INLINE void load_face(const Shape& s, const Leaf& leaf, int lane, Vec3 out[3]) {
+    for (int k = 0; k < 3; ++k) out[k] = s.mesh.vertices[leaf.vertex[k][lane]];
 }
 
 // Crossing of the ray p + s x, s >= 0, with a face seen along x (y to the right, z up): +1 where the
@@ -175,9 +174,10 @@ RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
         if (e.child < 0) {
             const Leaf& leaf = s.tree.leaves[~e.child];
             for (uint32_t m = near_ray(leaf, ray); m; m &= m - 1) {
-                const int32_t face = leaf.face[__builtin_ctz(m)];
+                const int lane = __builtin_ctz(m);
+                const int32_t face = leaf.face[lane];
                 Vec3 f[3];
-                load_face(s, face, f);
+                load_face(s, leaf, lane, f);
                 const double at = ray_meets_face(o, d, f);
                 if (at < 0 || at > reach || (at == hit.distance && face >= hit.face)) continue;
                 reach = at;
@@ -215,9 +215,10 @@ int32_t segment(const Shape& s, Vec3 p, Vec3 q) {
         if (child < 0) {
             const Leaf& leaf = s.tree.leaves[~child];
             for (uint32_t m = near_box(leaf, lo, hi); m; m &= m - 1) {
-                const int32_t face = leaf.face[__builtin_ctz(m)];
+                const int lane = __builtin_ctz(m);
+                const int32_t face = leaf.face[lane];
                 Vec3 f[3];
-                load_face(s, face, f);
+                load_face(s, leaf, lane, f);
                 const int side_p = orient3d(f[0], f[1], f[2], p), side_q = orient3d(f[0], f[1], f[2], q);
                 if (side_p == 0 && side_q == 0) continue;  // within the plane: no hit, as published
                 if (edge_meets_face(p, side_p, q, side_q, f)) return face;
@@ -246,7 +247,7 @@ int winding(const Shape& s, Vec3 p, bool& touching) {
                 const int lane = __builtin_ctz(m);
                 if (!leaf.bounds[lane]) continue;
                 Vec3 f[3];
-                load_face(s, leaf.face[lane], f);
+                load_face(s, leaf, lane, f);
                 number += crossing(p, f, touching);
             }
             continue;

@@ -198,7 +198,7 @@ private:
             n.half[i][lane] = half_of(range.upright, i);
             o.centre[i][lane] = box.centre[i];
             o.half[i][lane] = box.half[i];
-            for (int k = 0; k < 3; ++k) o.axis[i][k][lane] = box.axis[i][k];
+            for (int k = 0; k < 3 && i < 2; ++k) o.axis[i][k][lane] = box.axis[i][k];
         }
     }
 
@@ -315,10 +315,12 @@ private:
             leaf.face[lane] = f;
             leaf.edges[lane] = edge_bits_[f];
             leaf.bounds[lane] = mesh_.closed[mesh_.shell[f]];
-            for (int k = 0; k < 3; ++k)
+            for (int k = 0; k < 3; ++k) {
+                leaf.vertex[k][lane] = mesh_.faces[f][k];
                 for (int axis = 0; axis < 3; ++axis)
                     leaf.v[k][axis][lane] = static_cast<float>(
                         coordinate(mesh_.vertices[mesh_.faces[f][k]], axis) - leaf.centre[axis]);
+            }
         }
         tree_.leaves.push_back(leaf);
         return ~static_cast<int32_t>(tree_.leaves.size() - 1);

@@ -32,13 +32,15 @@ struct alignas(64) OrientedBox {
 
 // A node's eight, lanes side by side; half is -1e30 in an empty lane.
 struct alignas(32) Oriented {
-    float centre[3][lanes], half[3][lanes], axis[3][3][lanes];
+    float centre[3][lanes], half[3][lanes];
+    float axis[2][3][lanes];  // the third is their product
 };
 
 struct alignas(32) Leaf {
     float v[3][3][lanes];  // vertex, axis, lane; relative to the centre of the leaf's box
     float centre[3], half[3];  // upright box
     int32_t face[lanes];
+    int32_t vertex[3][lanes];  // of the mesh
     uint32_t valid;         // bit a lane
     uint8_t edges[lanes];   // bit k: edge (k, k + 1) of the face is in the graph and tested here;
                             // bit 3 + k: it is in the exact graph

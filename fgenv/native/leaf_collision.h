@@ -1,0 +1,108 @@
+// Two leaves: culling in floats, then the verdict. Included by the kernels that walk pairs of trees.
+#pragma once
+
+#include "edge_face.h"
+#include "face_culling.h"
+#include "kernels.h"
+
+namespace fgenv {
+
+struct Query {
+    const Shape& a;
+    const Shape& b;
+    const Rigid& pose;  // b in a's frame
+    PairFrames frames;
+    int first_bit;  // of the edges asked for, in Leaf::edges
+    Witness* witness;
+};
+
+// The verdict on two faces: the graph's edges of each against the other, exact, on one set of vertices.
+static inline bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf& lb, int j) {
+    Vec3 a[3], b[3];
+    for (int k = 0; k < 3; ++k) {
+        a[k] = q.a.mesh.vertices[la.vertex[k][i]];
+        b[k] = apply(q.pose, q.b.mesh.vertices[lb.vertex[k][j]]);
+    }
+    int side_a[3], side_b[3];
+    for (int k = 0; k < 3; ++k) side_a[k] = orient3d(b[0], b[1], b[2], a[k]);
+    if (side_a[0] == side_a[1] && side_a[1] == side_a[2] && side_a[0] != 0) return false;
+    for (int k = 0; k < 3; ++k) side_b[k] = orient3d(a[0], a[1], a[2], b[k]);
+    if (side_b[0] == side_b[1] && side_b[1] == side_b[2] && side_b[0] != 0) return false;
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        Witness::Side found = Witness::none;
+        if (la.edges[i] >> (q.first_bit + k) & 1 && edge_meets_face(a[k], side_a[k], a[l], side_a[l], b))
+            found = Witness::edge_of_a;
+        else if (lb.edges[j] >> (q.first_bit + k) & 1 && edge_meets_face(b[k], side_b[k], b[l], side_b[l], a))
+            found = Witness::edge_of_b;
+        if (found == Witness::none) continue;
+        if (q.witness) *q.witness = {found, la.face[i], lb.face[j], k, {0, 0, 0}};
+        return true;
+    }
+    return false;
+}
+
+static inline bool leaves_meet(const Query& q, const Leaf& la, const Leaf& lb) {
+    FacesF a, b;
+    float shift[3];
+    const PairFrame& frame = q.frames.b_in_a;
+    const Local local = load_leaves(la, lb, q.pose, frame, a, b, shift);
+
+    // The faces of the larger box go first, against the other's small box; then the faces of that
+    // against the box of what is left.
+    uint32_t in_a, in_b;
+    float lo[3], hi[3];
+    if (size(la) > size(lb)) {
+        for (int i = 0; i < 3; ++i) {
+            const float h = std::fabs(frame.r[i][0]) * lb.half[0] + std::fabs(frame.r[i][1]) * lb.half[1] +
+                            std::fabs(frame.r[i][2]) * lb.half[2];
+            lo[i] = shift[i] - h;
+            hi[i] = shift[i] + h;
+        }
+        if (!(in_a = reaching(a, lo, hi, local, la.valid))) return false;
+        around(a, in_a, lo, hi);
+        if (!(in_b = reaching(b, lo, hi, local, lb.valid))) return false;
+    } else {
+        for (int i = 0; i < 3; ++i) {
+            lo[i] = -la.half[i];
+            hi[i] = la.half[i];
+        }
+        if (!(in_b = reaching(b, lo, hi, local, lb.valid))) return false;
+        around(b, in_b, lo, hi);
+        if (!(in_a = reaching(a, lo, hi, local, la.valid))) return false;
+    }
+
+    if (__builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
+        for (; in_a; in_a &= in_a - 1) {
+            const int i = __builtin_ctz(in_a);
+            for (uint32_t m = crossing(a, i, b, local, in_b); m; m &= m - 1)
+                if (faces_meet(q, la, i, lb, __builtin_ctz(m))) return true;
+        }
+    } else {
+        for (; in_b; in_b &= in_b - 1) {
+            const int j = __builtin_ctz(in_b);
+            for (uint32_t m = crossing(b, j, a, local, in_a); m; m &= m - 1)
+                if (faces_meet(q, la, __builtin_ctz(m), lb, j)) return true;
+        }
+    }
+    return false;
+}
+
+// Whether a face of a leaf may meet a box. Asked before a box is opened against a leaf with larger faces:
+// their planes tell more than the leaf's box.
+static inline bool reaches(const Leaf& leaf, const PlacedBox& box, float slack) {
+    FacesF faces;
+    load_faces(leaf, faces);
+    float lo[3], hi[3], extent = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float h = std::fabs(box.axis[0][i]) * box.h[0] + std::fabs(box.axis[1][i]) * box.h[1] +
+                        std::fabs(box.axis[2][i]) * box.h[2] + slack;
+        const float c = box.c[i] - leaf.centre[i];
+        lo[i] = c - h;
+        hi[i] = c + h;
+        extent += std::fabs(c) + h;
+    }
+    return reaching(faces, lo, hi, local_errors(2 * size(leaf) + extent), leaf.valid) != 0;
+}
+
+}  // namespace fgenv
