@@ -67,7 +67,8 @@ def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.
     Args:
         a, b: shapes.
         Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
-        margin: metres; closer than this counts as a collision (distances are of the whole meshes).
+        margin: metres; over 0, what is no farther apart than this collides. Distances are exact whatever
+            the shapes' methods, and so is this verdict.
         threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
     Returns:
@@ -80,6 +81,8 @@ def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.
 def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
     """
     Distance of two posed shapes in metres; 0 where they collide, containment included.
+
+    Exact whatever the shapes' methods.
 
     Args:
         a, b, Ta, Tb, threads: as for collide.

@@ -141,4 +141,5 @@ class FeatureGraph:
 
     def __repr__(self) -> str:
         bound = "" if self.tolerance is None else f", tolerance={self.tolerance:g} m"
-        return f"FeatureGraph({self.method}: {len(self.points)} points, {len(self.edges)} edges{bound})"
+        size = f"{len(self.points)} points, {len(self.edges)} edges"
+        return f"FeatureGraph({self.method}: {size}{bound})"

@@ -1,0 +1,1 @@
+"""Fuzzing by bytes. Each target holds one function from bytes to laws that must not break."""
