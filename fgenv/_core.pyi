@@ -40,6 +40,9 @@ class Shape:
     def faces(self) -> NDArray[int32]: ...
 
     @property
+    def flat_faces(self) -> NDArray[float64]: ...
+
+    @property
     def bounds(self) -> NDArray[float64]: ...
 
     @property

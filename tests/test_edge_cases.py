@@ -326,3 +326,44 @@ def test_a_ball_clamped_in_a_slot_is_free_by_a_hair() -> None:
     tight = shape(scaled(round_, (1.0 + 4e-9) / width))
     assert verdicts(slot, snug, HERE) == {False}
     assert verdicts(slot, tight, HERE) == {True}
+
+
+# Beyond the range of floats and of squares, found by fuzzing
+
+
+@pytest.mark.parametrize("size", [1e9, 1e14])
+def test_faces_as_large_as_the_limit_collide(size: float) -> None:
+    """Or such a mesh is refused."""
+    corners = size * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
+    try:
+        wall, tray = Shape(corners, [[0, 1, 2]]), shape(opened(box(size)))
+    except ValueError:
+        return
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        place = somewhere(rng)
+        assert collide(wall, HERE, tray, place)
+        assert collide(tray, place, wall, HERE)
+
+
+@pytest.mark.parametrize("far", [1e9, 1.1e15, 1e20, 1e150])
+def test_distances_of_what_is_very_far_are_finite(far: float) -> None:
+    """Or such a pose is refused."""
+    cube = shape(box(1.0))
+    try:
+        gap = distance(cube, HERE, cube, at(far))
+    except ValueError:
+        return
+    assert gap == pytest.approx(far)
+    assert collide(cube, HERE, cube, at(far), margin=2 * far)
+
+
+@pytest.mark.parametrize("width", [1e-170, 5e-324])
+def test_a_needle_too_thin_for_a_normal_counts_as_flat(width: float) -> None:
+    """Its boxes had no axes, and most of its contacts were missed."""
+    needle = [[0, 0, 0], [0, 0, width], [0, 1, -4]]
+    with pytest.raises(ValueError, match="zero area"):
+        Shape(needle, [[0, 2, 1]])
+    vertices, faces = box(1.0)
+    crate = Shape(np.vstack([vertices, needle]), np.vstack([faces, [[8, 10, 9]]]))
+    assert crate.repairs["degenerate_faces"] == 1

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .graph import is_number
+
 
 def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices (n, 3) in metres and faces (m, 3) of a mesh file.
@@ -18,7 +20,7 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
         FileNotFoundError: no such file.
         ValueError: empty, unknown format, unreadable, or without faces.
     """
-    if not (isinstance(scale, (int, float)) and math.isfinite(scale) and scale > 0):
+    if not (is_number(scale) and math.isfinite(scale) and scale > 0):
         raise ValueError(f"scale: {scale!r}, wanted a factor over 0")
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "does not exist"

@@ -46,7 +46,7 @@ def settings(
     if tolerance is not None:
         if method not in ("exact", "tolerance"):
             raise ValueError(f"tolerance: not used by method {method!r}, leave one of them out")
-        if not (_is_number(tolerance) and tolerance >= 0 and math.isfinite(tolerance)):
+        if not (is_number(tolerance) and tolerance >= 0 and math.isfinite(tolerance)):
             raise ValueError(f"tolerance: {tolerance!r}, wanted metres, 0 or more")
         method = "tolerance" if tolerance > 0 else "exact"
     if angle is not None and method not in ("crease", "loop"):
@@ -55,12 +55,12 @@ def settings(
     return Settings(method, valley, ridge, float(tolerance or 0.0))
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> bool:
     return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
 def _thresholds(angle: Any) -> tuple[float, float]:
-    if _is_number(angle):
+    if is_number(angle):
         bend = float(angle)
         valley, ridge = math.pi - bend, math.pi + bend
     else:

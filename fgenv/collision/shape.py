@@ -26,7 +26,8 @@ class Shape(_core.Shape):
 
     Vertices at equal positions become one; faces of zero area and repeated faces go; faces wound
     against their neighbours are turned. What was done stands in `repairs` and is warned of once.
-    A watertight mesh is a solid: what is inside it collides. Any other is a surface.
+    Closed shells are solid: what has a winding number other than 0 in them is inside, and collides.
+    The rest of a mesh that is not watertight is a surface.
 
     Args:
         vertices: (n, 3) finite, metres.
@@ -135,7 +136,11 @@ class Shape(_core.Shape):
         return f"Shape({label}{len(self.faces)} faces, {kind}, {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (type(self), self.vertices, self.faces, tuple(self.settings), self.name)
+        # With the flat faces that were dropped: without them a shell that they close would be open.
+        flat = self.flat_faces.reshape(-1, 3)
+        more = np.arange(len(flat), dtype=np.int32).reshape(-1, 3) + len(self.vertices)
+        mesh = np.vstack([self.vertices, flat]), np.vstack([self.faces, more])
+        return _rebuild, (type(self), *mesh, tuple(self.settings), self.name)
 
     def _report(self) -> None:
         label = f"mesh {self.name!r}" if self.name else "mesh"

@@ -57,6 +57,8 @@ const char* fault(const double* m, double& value) {
         if (!std::isfinite(m[i])) return value = m[i], "has an entry that is not finite";
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return value = m[15], "has a last row other than 0 0 0 1";
+    for (int i = 3; i < 12; i += 4)
+        if (std::fabs(m[i]) > 1e12) return value = m[i], "is over 1e12 m from the origin";
     double worst = 0;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j) {

@@ -3,6 +3,8 @@
 
 NB_MODULE(_core, m) {
     m.doc() = "fgenv's native core. Use fgenv.collision, which documents what is here.";
+    // A script that ends with shapes in global variables has done nothing wrong.
+    nanobind::set_leak_warnings(false);
     fgenv::kernels();  // a bad FGENV_ISA is told at import
     m.def("isa", &fgenv::kernels_name, "Name of the instruction set whose kernels are in use.");
     fgenv::bind_shape(m);

@@ -210,6 +210,12 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
     return nb::cast(out.array);
 }
 
+// Unit. Scaled first: squares of very short and very long ones would vanish or overflow.
+Vec3 direction_of(const double* v) {
+    const double most = greater(greater(std::fabs(v[0]), std::fabs(v[1])), std::fabs(v[2]));
+    return unit({v[0] / most, v[1] / most, v[2] / most});
+}
+
 nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T,
                    double max_distance, nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = points(directions, "directions");
@@ -230,7 +236,7 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
             const double* v = d.data() + 3 * shape.offset(1, i);
             const Rigid& pose = inverses[shape.offset(2, i)];
             const RayHit hit = kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}),
-                                                 rotate(pose, unit({v[0], v[1], v[2]})), max_distance);
+                                                 rotate(pose, direction_of(v)), max_distance);
             at.data[i] = hit.distance;
             face.data[i] = hit.face;
         }

@@ -37,8 +37,8 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
     std::vector<Vec3> points(n);
     for (int64_t i = 0; i < n; ++i) points[i] = {v.data()[3 * i], v.data()[3 * i + 1], v.data()[3 * i + 2]};
     for (int64_t i = 0; i < 3 * n; ++i)
-        if (std::fabs(v.data()[i]) > 1e15)
-            fail("vertices[" + std::to_string(i / 3) + "]: a coordinate over 1e15 m, wanted metres");
+        if (std::fabs(v.data()[i]) > 1e9)
+            fail("vertices[" + std::to_string(i / 3) + "]: a coordinate over 1e9 m, wanted metres");
     std::vector<Face> triangles(f.dims[0]);
     for (size_t i = 0; i < triangles.size(); ++i)
         for (int k = 0; k < 3; ++k) {
@@ -144,6 +144,11 @@ void bind_shape(nb::module_& m) {
                      [](const Shape& s) {
                          return copy_out(reinterpret_cast<const int32_t*>(s.mesh.faces.data()),
                                          {static_cast<int64_t>(s.mesh.faces.size())}, {3});
+                     })
+        .def_prop_ro("flat_faces",
+                     [](const Shape& s) {
+                         return copy_out(reinterpret_cast<const double*>(s.mesh.flat.data()),
+                                         {static_cast<int64_t>(s.mesh.flat.size())}, {3, 3});
                      })
         .def_prop_ro("bounds",
                      [](const Shape& s) {

@@ -18,7 +18,7 @@ struct PlacedBox {
 };
 
 FGENV_INLINE F4 turned(const F4 (&columns)[3], const float v[3], F4 to) {
-    return fused(columns[0], v[0], fused(columns[1], v[1], fused(columns[2], v[2], to)));
+    return columns[0] * v[0] + (columns[1] * v[1] + (columns[2] * v[2] + to));
 }
 
 FGENV_INLINE PlacedBox placed(const OrientedBox& box, const PairFrame& f) {

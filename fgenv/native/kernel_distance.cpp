@@ -65,7 +65,7 @@ FGENV_INLINE D4 above_face(const V4 p, const Faces& f) {
         cross(f.side[k], f.n, outward);
         within &= dot(r, outward) <= splat(0.0);
     }
-    const D4 height = dot(r, f.n);
+    const D4 height = dot(r, f.n);  // over the last vertex
     const D4 squared = height * height * f.inv_n;
     return within & (f.inv_n > splat(0.0)) ? squared : splat(HUGE_VAL);
 }
@@ -155,7 +155,7 @@ void nearest_points(const Corners& a, const Corners& b, Nearest& out) {
             if (d[l] < out.squared) {
                 out.squared = d[l];
                 const Vec3 n = lane(f.n, l), at = from.v[l];
-                const Vec3 foot = at - (fgenv::dot(n, at - to.v[0]) * f.inv_n[l]) * n;
+                const Vec3 foot = at - (fgenv::dot(n, at - to.v[2]) * f.inv_n[l]) * n;
                 (side ? out.on_b : out.on_a) = at;
                 (side ? out.on_a : out.on_b) = foot;
             }
@@ -232,6 +232,13 @@ void turn(Search& q, Vec3 way) {
     q.towards_b[2] = static_cast<float>(n.z);
 }
 
+// Ties go to the smaller faces, whichever the search meets first: rounding in the culls may change that.
+bool is_better(const Search& q, double squared, int32_t face_a, int32_t face_b) {
+    if (squared != q.best) return squared < q.best;
+    if (q.face_a < 0) return q.any;
+    return face_a != q.face_a ? face_a < q.face_a : face_b < q.face_b;
+}
+
 void measure(Search& q, Candidates& c) {
     if (!c.count) return;
     for (int l = c.count; l < width; ++l)  // spare lanes repeat the first pair
@@ -249,13 +256,13 @@ void measure(Search& q, Candidates& c) {
     const D4 d = squared_distances(a, b);
     int best = -1;
     for (int l = 0; l < c.count; ++l)
-        if (d[l] < q.best || (q.any && d[l] <= q.best)) {
+        if (is_better(q, d[l], c.face_a[l], c.face_b[l])) {
             q.best = d[l];
+            q.face_a = c.face_a[l];
+            q.face_b = c.face_b[l];
             best = l;
         }
     if (best >= 0) {
-        q.face_a = c.face_a[best];
-        q.face_b = c.face_b[best];
         Nearest found;
         nearest_points({{point(c.a[0], best), point(c.a[1], best), point(c.a[2], best)}},
                        {{point(c.b[0], best), point(c.b[1], best), point(c.b[2], best)}}, found);
@@ -274,6 +281,12 @@ void add_candidate(Search& q, Candidates& c, const Leaf& la, int i, const Leaf& 
     if (++c.count == width) measure(q, c);
 }
 
+// At least the lengths of eight vectors, at most 1.16 times them, without squares that could vanish.
+FGENV_INLINE F8 length_bound(const F8 (&v)[3]) {
+    const F8 x = abs(v[0]), y = abs(v[1]), z = abs(v[2]);
+    return splat(0.5f) * (x + y + z + max(max(x, y), z));
+}
+
 // Which of eight faces g may be nearer than `radius` to face i of f: boxes, then the two planes.
 FGENV_INLINE uint32_t within(const FacesF& f, int i, const FacesF& g, const Local& local, float radius,
                              uint32_t among) {
@@ -285,16 +298,13 @@ FGENV_INLINE uint32_t within(const FacesF& f, int i, const FacesF& g, const Loca
     among &= bits(gaps <= splat(radius * radius));
     if (!among) return 0;
     const F8 reach = splat(local.volume_slack * local.size);
-    F8 side[3], own_length = F8{}, their_length = F8{};
-    for (int x = 0; x < 3; ++x) {
-        own_length += splat(f.n[x][i] * f.n[x][i]);
-        their_length += g.n[x] * g.n[x];
-    }
-    const F8 own = root(own_length) * splat(radius) + reach * splat(f.scale[i]);
-    const F8 theirs = root(their_length) * splat(radius) + reach * g.scale;
+    const F8 own_normal[3] = {splat(f.n[0][i]), splat(f.n[1][i]), splat(f.n[2][i])};
+    const F8 own = length_bound(own_normal) * splat(radius) + reach * splat(f.scale[i]);
+    const F8 theirs = length_bound(g.n) * splat(radius) + reach * g.scale;
+    F8 side[3];
     for (int k = 0; k < 3; ++k) {
         side[k] = F8{};
-        for (int x = 0; x < 3; ++x) side[k] += splat(f.n[x][i]) * (g.v[k][x] - splat(f.v[0][x][i]));
+        for (int x = 0; x < 3; ++x) side[k] += own_normal[x] * (g.v[k][x] - splat(f.v[0][x][i]));
     }
     I8 near = (min(min(side[0], side[1]), side[2]) <= own) & (max(max(side[0], side[1]), side[2]) >= -own);
     for (int k = 0; k < 3; ++k) {

@@ -62,18 +62,20 @@ double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
         p[k][1] = coordinate(v, up) - coordinate(d, up) * depth[k];
     }
     const double ray[2] = {0, 0};
-    double sum = 0, weighted = 0;
+    double sum = 0, weighted = 0, magnitude = 0;
     int positive = 0, negative = 0;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
         const int side = orient2d(p[k], p[l], ray);
         positive += side > 0;
         negative += side < 0;
-        const double area = p[k][0] * p[l][1] - p[k][1] * p[l][0];
+        const double left = p[k][0] * p[l][1], right = p[k][1] * p[l][0], area = left - right;
         sum += area;
+        magnitude += std::fabs(left) + std::fabs(right);
         weighted += area * depth[(k + 2) % 3];
     }
-    if ((positive && negative) || sum == 0) return -1;
+    // Seen edge-on there is no depth to tell: the faces beside it have the sides that the ray meets.
+    if ((positive && negative) || std::fabs(sum) <= 1e-15 * magnitude) return -1;
     const double s = weighted / sum;
     return s >= 0 ? s : -1;
 }

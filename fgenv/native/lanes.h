@@ -29,14 +29,6 @@ FGENV_INLINE F8 load(const float* p) {
 
 FGENV_INLINE F8 abs(F8 x) { return (F8)((I8)x & 0x7fffffff); }
 FGENV_INLINE D4 abs(D4 x) { return (D4)((L4)x & 0x7fffffffffffffffll); }
-FGENV_INLINE F8 root(F8 x) {
-#if defined(__AVX__)
-    return (F8)_mm256_sqrt_ps((__m256)x);
-#else
-    for (int i = 0; i < 8; ++i) x[i] = __builtin_sqrtf(x[i]);
-    return x;
-#endif
-}
 FGENV_INLINE F8 min(F8 a, F8 b) { return a < b ? a : b; }
 FGENV_INLINE F8 max(F8 a, F8 b) { return a > b ? a : b; }
 FGENV_INLINE D4 min(D4 a, D4 b) { return a < b ? a : b; }
@@ -49,15 +41,6 @@ FGENV_INLINE F8 fused(F8 a, F8 b, F8 c) {
     return (F8)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
 #else
     return a * b + c;
-#endif
-}
-
-FGENV_INLINE F4 fused(F4 a, float b, F4 c) {
-    const F4 all = {b, b, b, b};
-#if defined(__FMA__)
-    return (F4)_mm_fmadd_ps((__m128)a, (__m128)all, (__m128)c);
-#else
-    return a * all + c;
 #endif
 }
 

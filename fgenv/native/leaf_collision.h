@@ -72,7 +72,8 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const Leaf& lb) {
         if (!(in_a = reaching(a, lo, hi, local, la.valid))) return false;
     }
 
-    if (__builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
+    // Which side leads must not depend on how the culls round where it decides what is found first.
+    if (q.witness || __builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
         for (; in_a; in_a &= in_a - 1) {
             const int i = __builtin_ctz(in_a);
             for (uint32_t m = crossing(a, i, b, local, in_b); m; m &= m - 1)

@@ -101,6 +101,10 @@ void drop_unused_vertices(Mesh& mesh) {
         for (int32_t& i : f) i = remap[i];
 }
 
+uint64_t edge_hash(int32_t a, int32_t b) {
+    return (static_cast<uint64_t>(a) << 32 | static_cast<uint32_t>(b)) * 0xff51afd7ed558ccdull;
+}
+
 // The edges in the order in which the faces are walked, for each face (0,1), (1,2), (2,0).
 void find_edges(Mesh& mesh) {
     IndexTable table(2 * mesh.faces.size());
@@ -110,8 +114,7 @@ void find_edges(Mesh& mesh) {
         for (int k = 0; k < 3; ++k) {
             const int32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
             const int32_t a = std::min(from, to), b = std::max(from, to);
-            const uint64_t hash = static_cast<uint64_t>(a) << 32 | static_cast<uint32_t>(b);
-            int32_t& slot = table.find(hash * 0xff51afd7ed558ccdull, [&](int32_t e) {
+            int32_t& slot = table.find(edge_hash(a, b), [&](int32_t e) {
                 return mesh.edges[e].a == a && mesh.edges[e].b == b;
             });
             if (slot < 0) {
@@ -129,17 +132,22 @@ bool runs_forward(const Face& f, const Edge& e) {
            (f[2] == e.a && f[0] == e.b);
 }
 
+// True if the faces of every two-faced edge run along it in opposite directions.
+bool find_opposed(Mesh& mesh) {
+    bool all = true;
+    for (Edge& e : mesh.edges) {
+        e.opposed = e.faces_around == 2 && runs_forward(mesh.faces[e.face[0]], e) !=
+                                               runs_forward(mesh.faces[e.face[1]], e);
+        all &= e.opposed || e.faces_around != 2;
+    }
+    return all;
+}
+
 // Faces on both sides of a two-faced edge must run along it in opposite directions. Where they do
 // not, the orientation is spread from face to face; each connected part keeps that of its larger area.
 void orient(Mesh& mesh) {
     const size_t n = mesh.faces.size();
-    bool consistent = true;
-    for (Edge& e : mesh.edges) {
-        e.opposed = e.faces_around == 2 && runs_forward(mesh.faces[e.face[0]], e) !=
-                                               runs_forward(mesh.faces[e.face[1]], e);
-        consistent &= e.opposed || e.faces_around != 2;
-    }
-    if (consistent) return;
+    if (find_opposed(mesh)) return;
 
     std::vector<int32_t> first(n + 1, 0), links;
     for (const Edge& e : mesh.edges)
@@ -177,9 +185,7 @@ void orient(Mesh& mesh) {
             std::swap(mesh.faces[f][1], mesh.faces[f][2]);
             ++mesh.repairs.flipped_faces;
         }
-    for (Edge& e : mesh.edges)
-        e.opposed = e.faces_around == 2 && runs_forward(mesh.faces[e.face[0]], e) !=
-                                               runs_forward(mesh.faces[e.face[1]], e);
+    find_opposed(mesh);
 }
 
 // Shells are the edge-connected parts; one is closed if along every edge as many faces run one way
@@ -193,17 +199,14 @@ void find_shells(Mesh& mesh) {
         if (e.face[1] >= 0) sets.join(e.face[0], e.face[1]);
         balance[i] = e.faces_around == 2 ? (e.opposed ? 0 : 2) : e.faces_around == 1 ? 1 : 0;
         if (e.faces_around > 2) {
-            const uint64_t hash = static_cast<uint64_t>(e.a) << 32 | static_cast<uint32_t>(e.b);
-            table.find(hash * 0xff51afd7ed558ccdull, [](int32_t) { return false; }) =
-                static_cast<int32_t>(i);
+            table.find(edge_hash(e.a, e.b), [](int32_t) { return false; }) = static_cast<int32_t>(i);
         }
     }
     for (size_t f = 0; f < mesh.faces.size(); ++f)  // edges with three faces and more
         for (int k = 0; k < 3; ++k) {
             const int32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
             const int32_t a = std::min(from, to), b = std::max(from, to);
-            const uint64_t hash = static_cast<uint64_t>(a) << 32 | static_cast<uint32_t>(b);
-            const int32_t i = table.find(hash * 0xff51afd7ed558ccdull, [&](int32_t e) {
+            const int32_t i = table.find(edge_hash(a, b), [&](int32_t e) {
                 return mesh.edges[e].a == a && mesh.edges[e].b == b;
             });
             if (i < 0) continue;
@@ -220,13 +223,19 @@ void find_shells(Mesh& mesh) {
 // counts as closed if it is with them or without.
 void drop_flat_faces(Mesh& mesh) {
     const auto flat = [&](const Face& f) {
-        return collinear(mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]);
+        const Vec3 a = mesh.vertices[f[0]], b = mesh.vertices[f[1]], c = mesh.vertices[f[2]];
+        const Vec3 n = cross(b - a, c - a);
+        return dot(n, n) == 0 || collinear(a, b, c);  // or too thin for a normal
     };
     const std::vector<uint8_t> closed_before = mesh.closed;
     std::vector<int32_t> shell_before;
     size_t n = 0;
     for (size_t f = 0; f < mesh.faces.size(); ++f) {
-        if (flat(mesh.faces[f])) continue;
+        const Face& v = mesh.faces[f];
+        if (flat(v)) {
+            mesh.flat.push_back({mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]});
+            continue;
+        }
         shell_before.push_back(mesh.shell[f]);
         mesh.faces[n++] = mesh.faces[f];
     }
@@ -235,9 +244,16 @@ void drop_flat_faces(Mesh& mesh) {
     mesh.faces.resize(n);
     drop_unused_vertices(mesh);
     find_edges(mesh);
-    orient(mesh);
+    find_opposed(mesh);
     find_shells(mesh);
-    for (size_t f = 0; f < n; ++f) mesh.closed[mesh.shell[f]] |= closed_before[shell_before[f]];
+    // A shell closed with its flat faces stays one: its pieces have no inside of their own.
+    const int32_t shells = static_cast<int32_t>(mesh.closed.size());
+    mesh.closed.resize(shells + closed_before.size(), 0);
+    for (size_t f = 0; f < n; ++f) {
+        if (!closed_before[shell_before[f]]) continue;
+        mesh.shell[f] = shells + shell_before[f];
+        mesh.closed[mesh.shell[f]] = 1;
+    }
 }
 
 }  // namespace
@@ -260,7 +276,7 @@ Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces) {
     find_shells(mesh);
     drop_flat_faces(mesh);
     mesh.watertight = !mesh.faces.empty() &&
-                      std::find(mesh.closed.begin(), mesh.closed.end(), 0) == mesh.closed.end();
+                      std::all_of(mesh.shell.begin(), mesh.shell.end(), [&](int32_t s) { return mesh.closed[s]; });
     for (const Vec3& p : mesh.vertices) grow(mesh.bounds, p);
     return mesh;
 }

@@ -33,6 +33,7 @@ struct Mesh {
     bool watertight = false;       // every shell is closed
     Box bounds = empty_box();
     Repairs repairs;
+    std::vector<std::array<Vec3, 3>> flat;  // the dropped faces of zero area that may close T-junctions
 };
 
 // Indices must be in range and coordinates finite.

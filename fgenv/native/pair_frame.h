@@ -1,9 +1,10 @@
 // One shape's frame seen from the other's, in floats, with the slack that makes every float test
 // conservative; and the test of one box against a node's eight.
 //
-// Slack: coordinates up to M carry an error of a few units of 2^-24 M from rounding the vertices, the
-// rotation and their product; a rotation off orthonormal by `skew` adds skew * M. Both are covered
-// several times over: what the slack lets through costs a test, never a verdict.
+// Slack: with coordinates up to M, a separating axis test sums errors of at most 47 units of 2^-24 M from
+// rounding centres, axes and extents (71 for a product of axes, which gets twice the slack); a rotation
+// off orthonormal by `skew` adds at most 4 skew M. What the slack lets through costs a test, never a
+// verdict.
 #pragma once
 
 #include "lanes.h"
@@ -50,7 +51,7 @@ static inline PairFrame pair_frame(const float r[3][3], const float t[3], float 
 static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid& pose) {
     const double reach = std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]) +
                          1.8 * (a.reach + b.reach);
-    const float slack = static_cast<float>((32 * 0x1p-24 + 4 * skew(pose)) * reach);
+    const float slack = static_cast<float>((64 * 0x1p-24 + 4 * skew(pose)) * reach);
     float r[3][3], transposed[3][3], t[3], back[3];
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) r[i][j] = transposed[j][i] = static_cast<float>(pose.r[i][j]);
@@ -66,10 +67,6 @@ static inline BoxF box_of(const Tree& tree, Ref ref) {
     const Node& n = tree.nodes[ref / lanes];
     const int k = ref % lanes;
     return {{n.centre[0][k], n.centre[1][k], n.centre[2][k]}, {n.half[0][k], n.half[1][k], n.half[2][k]}};
-}
-
-static inline int32_t child_of(const Tree& tree, Ref ref) {
-    return tree.nodes[ref / lanes].child[ref % lanes];
 }
 
 static inline BoxF placed(const BoxF& box, const PairFrame& f) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -58,7 +59,11 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int6
             }
         };
         std::vector<std::thread> team;
-        for (int i = 0; i < workers; ++i) team.emplace_back(work, false);
+        try {
+            for (int i = 0; i < workers; ++i) team.emplace_back(work, false);
+        } catch (const std::system_error&) {
+            // No more threads to be had: those that began do the work.
+        }
         work(true);
         for (std::thread& t : team) t.join();
     }

@@ -52,7 +52,7 @@ bool side_separates(const Triangle2& s, const Triangle2& t, double slack) {
         const double* a = s.p[i];
         const double* b = s.p[(i + 1) % 3];
         const double nx = b[1] - a[1], ny = a[0] - b[0];  // outward
-        const double limit = -slack * std::hypot(nx, ny);
+        const double limit = -slack * std::sqrt(nx * nx + ny * ny);
         bool outside = true;
         for (const auto& p : t.p) outside &= nx * (p[0] - a[0]) + ny * (p[1] - a[1]) >= limit;
         if (outside) return true;

@@ -1,6 +1,6 @@
 // Patches of faces within a slab: two parallel planes, every normal less than a right angle from
 // theirs, and a one-to-one projection on them. A patch's borders are feature edges; what the graph
-// can then miss is no deeper than the slabs are thick (proof in README, 'Tolerance').
+// can then miss is no deeper than the slabs are thick (proof in README, 'How it works').
 #pragma once
 
 #include "mesh.h"

@@ -90,7 +90,7 @@ Split split_at_bins(Item* items, int32_t count) {
     } bin[3][bins];
     for (int axis = 0; axis < 3; ++axis) {
         const float width = centres.hi[axis] - centres.lo[axis];
-        scale[axis] = width > 0 ? bins * 0.9999f / width : 0;
+        scale[axis] = width > 1e-30f ? bins * 0.9999f / width : 0;
     }
     const auto bin_of = [&](const Item& item, int axis) {
         return static_cast<int>((item.centre[axis] - centres.lo[axis]) * scale[axis]);

@@ -9,7 +9,7 @@ fgenv._core.__prefix__:
 fgenv._core.(FeatureGraph|Shape).__init__$:
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, method: str, valley: float, ridge: float, tolerance: float) -> None: ...
 
-fgenv._core.(FeatureGraph.|Shape.)(points|vertices|bounds)$:
+fgenv._core.(FeatureGraph.|Shape.)(points|vertices|bounds|flat_faces)$:
     @property
     def \2(self) -> NDArray[float64]: ...
 
