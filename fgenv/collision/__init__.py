@@ -11,13 +11,19 @@ objects" (feature points, feature graph, masks), made exact: see README, "How it
 from .graph import FeatureGraph
 from .queries import Contact, Nearest, collide, contact, distance, nearest
 from .shape import MeshWarning, Shape
+from .world import Clearances, MotionResult, RayHits, Record, World
 
 __all__ = [
+    "Clearances",
     "Contact",
     "FeatureGraph",
     "MeshWarning",
+    "MotionResult",
     "Nearest",
+    "RayHits",
+    "Record",
     "Shape",
+    "World",
     "collide",
     "contact",
     "distance",

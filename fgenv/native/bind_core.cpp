@@ -9,4 +9,5 @@ NB_MODULE(_core, m) {
     m.def("isa", &fgenv::kernels_name, "Name of the instruction set whose kernels are in use.");
     fgenv::bind_shape(m);
     fgenv::bind_queries(m);
+    fgenv::bind_world(m);
 }

@@ -1,7 +1,7 @@
 // Queries: arrays in, arrays out, the loop over poses in parallel.
 #include "bind.h"
 
-#include "arrays.h"
+#include "arguments.h"
 #include "kernels.h"
 #include "parallel.h"
 
@@ -17,20 +17,6 @@ const Shape& shape_of(nb::handle value, const char* name) {
     return *shape;
 }
 
-int threads_of(nb::handle value) {
-    if (value.is_none()) return 0;
-    int n = 0;
-    if (!nb::try_cast(value, n) || n < 1 || n > 4096)
-        throw nb::value_error("threads: wanted a whole number from 1 to 4096, or None for all cores");
-    return n;
-}
-
-double margin_of(double margin) {
-    if (!(margin >= 0) || std::isinf(margin))
-        throw nb::value_error(("margin: " + std::to_string(margin) + ", wanted metres, 0 or more").c_str());
-    return margin;
-}
-
 bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
     const Rigid pose = relative(ta, tb);
     if (kernels().collide(a, b, pose, margin > 0, nullptr)) return true;
@@ -41,7 +27,7 @@ nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, dou
                    nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
-    margin_of(margin);
+    metres_of(margin, "margin");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) {
         const bool hit = hits(a, ta.items[0], b, tb.items[0], margin);
@@ -194,8 +180,7 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
         throw nb::value_error("contains: the mesh is not watertight, it has no inside; close its borders");
     const Array<double> p = points(points_, "points");
     const Poses t = poses(T, "T");
-    const Dims rows(p.dims.begin(), p.dims.end() - 1);
-    const Broadcast shape = broadcast({{"points", rows}, {"T", t.dims}});
+    const Broadcast shape = broadcast({{"points", rows_of(p)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
     for (const Rigid& item : t.items) inverses.push_back(inverse(item));
     Output<bool> out = make_output<bool>(shape.dims);
@@ -210,22 +195,12 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
     return nb::cast(out.array);
 }
 
-// Unit. Scaled first: squares of very short and very long ones would vanish or overflow.
-Vec3 direction_of(const double* v) {
-    const double most = greater(greater(std::fabs(v[0]), std::fabs(v[1])), std::fabs(v[2]));
-    return unit({v[0] / most, v[1] / most, v[2] / most});
-}
-
 nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T,
                    double max_distance, nb::handle threads) {
-    const Array<double> o = points(origins, "origins"), d = points(directions, "directions");
+    const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
     const Poses t = poses(T, "T");
     if (!(max_distance >= 0)) throw nb::value_error("max_distance: wanted metres, 0 or more");
-    const Dims o_rows(o.dims.begin(), o.dims.end() - 1), d_rows(d.dims.begin(), d.dims.end() - 1);
-    for (size_t i = 0; i < d.view.size(); i += 3)
-        if (d.data()[i] == 0 && d.data()[i + 1] == 0 && d.data()[i + 2] == 0)
-            throw nb::value_error(("directions: row " + std::to_string(i / 3) + " has length 0").c_str());
-    const Broadcast shape = broadcast({{"origins", o_rows}, {"directions", d_rows}, {"T", t.dims}});
+    const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
     for (const Rigid& item : t.items) inverses.push_back(inverse(item));
     Output<double> at = make_output<double>(shape.dims);

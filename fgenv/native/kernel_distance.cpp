@@ -431,6 +431,12 @@ void search(Search& q) {
 
 }  // namespace
 
+Nearest nearest_faces(const Vec3 a[3], const Vec3 b[3]) {
+    Nearest out{HUGE_VAL, {0, 0, 0}, {0, 0, 0}, -1, -1};
+    nearest_points({{a[0], a[1], a[2]}}, {{b[0], b[1], b[2]}}, out);
+    return out;
+}
+
 Nearest nearest(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any) {
     Search q{a, b, pose, pair_frames(a, b, pose), bound, any};
     const BoxF start = placed(box_of(b.tree, 0), q.frames.b_in_a), from = box_of(a.tree, 0);

@@ -28,6 +28,22 @@ struct RayHit {
     int32_t face;
 };
 
+// Two shapes at the middle of a stretch of time, and how they move: all in a's frame, per half the stretch.
+struct Sweep {
+    struct Side {
+        Vec3 v, w;                    // displacement of the origin; rotation vector
+        double at_origin, by_radius;  // a point at distance d from the origin strays from what v and w
+                                      // say by at most at_origin + d by_radius
+    };
+    Rigid pose;  // of b
+    Side a, b;
+    double margin;  // metres: nearer than this is met
+};
+
+struct FacePair {
+    int32_t a, b;
+};
+
 // Poses are b's in a's frame.
 struct Kernels {
     // By the edges of the shapes' graphs; with lossless = true by those of the exact graphs, whatever
@@ -41,6 +57,10 @@ struct Kernels {
     int (*winding)(const Shape& shape, Vec3 p, bool& touching);
     // First face found that segment pq meets, -1 if none.
     int32_t (*segment)(const Shape& shape, Vec3 p, Vec3 q);
+    // Pairs of faces that may meet in the stretch, none left out; how many, capacity + 1 if there are more.
+    int (*sweep)(const Shape& a, const Shape& b, const Sweep& sweep, FacePair* out, int capacity);
+    // The nearest points of two faces that do not cross.
+    Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
 };
 
 const Kernels& kernels();        // the table in use

@@ -40,10 +40,8 @@ std::vector<BoxBlock> block_level(const std::vector<Box>& boxes) {
         }
     for (size_t i = 0; i < boxes.size(); ++i)
         for (int axis = 0; axis < 3; ++axis) {
-            level[i / 8].lo[axis][i % 8] =
-                std::nextafterf(static_cast<float>(coordinate(boxes[i].lo, axis)), -inf);
-            level[i / 8].hi[axis][i % 8] =
-                std::nextafterf(static_cast<float>(coordinate(boxes[i].hi, axis)), inf);
+            level[i / 8].lo[axis][i % 8] = rounded_down(coordinate(boxes[i].lo, axis));
+            level[i / 8].hi[axis][i % 8] = rounded_up(coordinate(boxes[i].hi, axis));
         }
     return level;
 }

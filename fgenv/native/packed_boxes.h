@@ -19,6 +19,9 @@ struct PackedBoxes {
     std::vector<std::vector<BoxBlock>> levels;  // the lowest first
 };
 
+static inline float rounded_down(double x) { return std::nextafterf(static_cast<float>(x), -HUGE_VALF); }
+static inline float rounded_up(double x) { return std::nextafterf(static_cast<float>(x), HUGE_VALF); }
+
 PackedBoxes pack_boxes(const std::vector<Box>& boxes);
 
 // Walks the matches one by one.

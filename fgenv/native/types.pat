@@ -2,8 +2,9 @@
 # one value for one pair of poses and an array for many: Any, as is usual in such a case.
 
 fgenv._core.__prefix__:
+    \from collections.abc import Iterable
     \from typing import Any
-    \from numpy import bool_, float64, int32, uint8
+    \from numpy import bool_, float64, int32, int64, uint8
     \from numpy.typing import ArrayLike, NDArray
 
 fgenv._core.(FeatureGraph|Shape).__init__$:
@@ -48,3 +49,72 @@ fgenv._core.contains$:
 fgenv._core.raycast$:
     def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
         \doc
+
+fgenv._core.World.add_body$:
+    def add_body(self, shape: Shape, pose: ArrayLike, name: str, groups: str | Iterable[str], id: int) -> int: ...
+
+fgenv._core.World.remove$:
+    def remove(self, body: int | str) -> None: ...
+
+fgenv._core.World.set_pose$:
+    def set_pose(self, ids: Any, poses: ArrayLike) -> None: ...
+
+fgenv._core.World.poses$:
+    def poses(self, ids: Any) -> NDArray[float64]: ...
+
+fgenv._core.World.attach$:
+    def attach(self, body: int | str, carrier: int | str) -> None: ...
+
+fgenv._core.World.detach$:
+    def detach(self, body: int | str) -> None: ...
+
+fgenv._core.World.allow$:
+    def allow(self, a: int | str, b: int | str, allowed: bool) -> None: ...
+
+fgenv._core.World.allowed_groups$:
+    def allowed_groups(self) -> list[tuple[str, str]]: ...
+
+fgenv._core.World.set_trajectory$:
+    def set_trajectory(self, body: int | str, times: ArrayLike | None, poses: ArrayLike | None) -> None: ...
+
+fgenv._core.World.set_path$:
+    def set_path(self, robot: int | str, poses: ArrayLike) -> NDArray[int32]: ...
+
+fgenv._core.World.clear_path$:
+    def clear_path(self, robot: int | str) -> None: ...
+
+fgenv._core.World.candidates$:
+    def candidates(self, robot: int | str) -> NDArray[int32]: ...
+
+fgenv._core.World.motion_boxes$:
+    def motion_boxes(self, robot: int | str) -> NDArray[float64]: ...
+
+fgenv._core.World.mask$:
+    def mask(self, body: int | str) -> int: ...
+
+fgenv._core.World.own_bit$:
+    def own_bit(self, robot: int | str) -> int: ...
+
+fgenv._core.World.collides$:
+    def collides(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, margin: float, threads: int | None) -> Any: ...
+
+fgenv._core.World.clearance$:
+    def clearance(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+
+fgenv._core.World.check_motion$:
+    def check_motion(self, robot: int | str, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, resolution: float, first: bool, t0: float | None, t1: float | None, threads: int | None) -> tuple[Any, Any, Any, Any, Any, Any]: ...
+
+fgenv._core.World.check_motions$:
+    def check_motions(self, robots: Any, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+
+fgenv._core.World.contacts$:
+    def contacts(self, margin: float, threads: int | None) -> NDArray[int32]: ...
+
+fgenv._core.World.raycast$:
+    def raycast(self, origins: ArrayLike, directions: ArrayLike, max_distance: float, ignore: Any, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+
+fgenv._core.World.record$:
+    def record(self, body: int | str) -> dict[str, Any]: ...
+
+fgenv._core.World.ids$:
+    def ids(self) -> NDArray[int32]: ...

@@ -1,0 +1,497 @@
+// Python class of a world. Every call locks it: queries share the lock, changes have it alone. Nobody
+// waits for the lock while holding the interpreter, so that whoever has it may call back into Python.
+#include "bind.h"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <mutex>
+
+#include "arguments.h"
+#include "parallel.h"
+#include "world.h"
+
+namespace fgenv {
+namespace {
+
+using namespace nb::literals;
+
+template <class Lock>
+Lock locked(const World& w) {
+    Lock lock(w.mutex, std::try_to_lock);
+    if (!lock) {
+        nb::gil_scoped_release released;
+        lock.lock();
+    }
+    return lock;
+}
+auto reading(const World& w) { return locked<std::shared_lock<std::shared_mutex>>(w); }
+auto writing(const World& w) { return locked<std::unique_lock<std::shared_mutex>>(w); }
+
+[[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
+
+// A body by its id or its name.
+BodyId body_of(const World& w, nb::handle value, const char* name) {
+    if (nb::isinstance<nb::str>(value)) {
+        const std::string text = nb::cast<std::string>(value);
+        const BodyId id = w.id_of(text);
+        if (id < 0) fail(std::string(name) + ": no body is named '" + text + "'; world.names tells which are");
+        return id;
+    }
+    int64_t id = -1;
+    if (PyBool_Check(value.ptr()) || !PyIndex_Check(value.ptr()))
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted a body's id or name").c_str());
+    id = PyLong_AsLongLong(nb::steal(PyNumber_Index(value.ptr())).ptr());
+    if (PyErr_Occurred()) PyErr_Clear();
+    if (id < 0 || id >= w.end_id() || !w.find(static_cast<BodyId>(id)))
+        fail(std::string(name) + ": no body " + std::to_string(id) + " in this world; world.ids tells which are");
+    return static_cast<BodyId>(id);
+}
+
+BodyId robot_of(const World& w, nb::handle value, const char* name = "robot") {
+    const BodyId id = body_of(w, value, name);
+    const Body& b = w.body(id);
+    if (b.carrier >= 0)
+        fail(std::string(name) + ": '" + b.name + "' is carried by '" + w.body(b.carrier).name + "'; ask for '" +
+             w.body(b.root).name + "', or detach it first");
+    return id;
+}
+
+// One id or name, or a sequence of them; `one` tells which.
+std::vector<BodyId> bodies_of(const World& w, nb::handle value, const char* name, bool& one) {
+    one = nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr());
+    if (nb::hasattr(value, "ndim") && nb::hasattr(value, "tolist"))
+        return bodies_of(w, nb::object(value.attr("tolist")()), name, one);
+    if (one) return {body_of(w, value, name)};
+    if (!nb::hasattr(value, "__iter__"))
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted ids or names of bodies").c_str());
+    std::vector<BodyId> ids;
+    for (nb::handle item : value) ids.push_back(body_of(w, item, name));
+    return ids;
+}
+
+std::vector<std::string> names_of(nb::handle value, const char* name) {
+    if (nb::isinstance<nb::str>(value)) return {nb::cast<std::string>(value)};
+    std::vector<std::string> out;
+    if (!nb::hasattr(value, "__iter__")) throw nb::type_error((std::string(name) + ": wanted a name or names").c_str());
+    for (nb::handle item : value) {
+        if (!nb::isinstance<nb::str>(item)) throw nb::type_error((std::string(name) + ": wanted a name or names").c_str());
+        out.push_back(nb::cast<std::string>(item));
+    }
+    return out;
+}
+
+Rigid pose_of(nb::handle value, const char* name) {
+    const Poses p = poses(value, name);
+    if (!p.single()) fail(std::string(name) + ": " + to_string(p.dims) + " poses, wanted one, shape (4, 4)");
+    return p.items[0];
+}
+
+nb::object pose_out(const std::vector<Rigid>& poses, const Dims& dims) {
+    Output<double> out = make_output<double>(dims, {4, 4});
+    for (size_t i = 0; i < poses.size(); ++i) {
+        double* m = out.data + 16 * i;
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c) m[4 * r + c] = poses[i].r[r][c];
+            m[4 * r + 3] = poses[i].t[r];
+        }
+        m[15] = 1;
+    }
+    return nb::cast(out.array);
+}
+
+// Times (...), or now where there are none.
+Array<double> times_of(nb::handle value, const char* name) {
+    Array<double> t = doubles(value, name);
+    for (size_t i = 0; i < t.view.size(); ++i)
+        if (!std::isfinite(t.data()[i])) fail(std::string(name) + ": not finite, wanted seconds");
+    return t;
+}
+
+BodyId add(World& w, std::shared_ptr<Shape> shape, nb::handle pose, const std::string& name, nb::handle groups,
+           BodyId id) {
+    const Rigid at = pose_of(pose, "pose");
+    const std::vector<std::string> names = names_of(groups, "groups");
+    const auto lock = writing(w);
+    return w.add(std::move(shape), at, name, names, id);
+}
+
+void remove(World& w, nb::handle body) {
+    std::shared_ptr<Shape> last;  // dropped after the lock
+    const auto lock = writing(w);
+    last = w.remove(body_of(w, body, "body"));
+}
+
+void set_pose(World& w, nb::handle ids, nb::handle poses_) {
+    const Poses p = poses(poses_, "poses");
+    const auto lock = writing(w);
+    bool one;
+    const std::vector<BodyId> bodies = bodies_of(w, ids, "ids", one);
+    for (BodyId id : bodies) robot_of(w, nb::int_(id), "ids");
+    const Dims wanted = one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
+    const Broadcast shape = broadcast({{"ids", wanted}, {"poses", p.dims}});
+    if (shape.dims != wanted) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(wanted));
+    std::vector<Rigid> each;
+    for (size_t i = 0; i < bodies.size(); ++i) each.push_back(p.items[shape.offset(1, static_cast<int64_t>(i))]);
+    w.set_poses(bodies, each);
+}
+
+nb::object get_poses(const World& w, nb::handle ids) {
+    const auto lock = reading(w);
+    bool one;
+    std::vector<Rigid> out;
+    for (BodyId id : bodies_of(w, ids, "ids", one)) out.push_back(w.body(id).pose);
+    return pose_out(out, one ? Dims{} : Dims{static_cast<int64_t>(out.size())});
+}
+
+void set_trajectory(World& w, nb::handle body, nb::handle times, nb::handle poses_) {
+    Trajectory t;
+    if (!times.is_none() || !poses_.is_none()) {
+        const Array<double> at = times_of(times, "times");
+        Poses p = poses(poses_, "poses");
+        if (at.dims.size() != 1 || at.dims[0] < 1 || p.dims != at.dims)
+            fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims) + ": wanted (k,) and (k, 4, 4), k at least 1");
+        t.times.assign(at.data(), at.data() + at.dims[0]);
+        for (size_t i = 1; i < t.times.size(); ++i)
+            if (!(t.times[i] > t.times[i - 1])) fail("times[" + std::to_string(i) + "]: not after the one before");
+        t.poses = std::move(p.items);
+    }
+    const auto lock = writing(w);
+    w.set_trajectory(robot_of(w, body, "body"), std::move(t));
+}
+
+nb::object id_array(const std::vector<BodyId>& ids) {
+    return copy_out(ids.data(), {static_cast<int64_t>(ids.size())});
+}
+
+nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
+    Poses p = poses(poses_, "poses");
+    if (p.dims.size() != 1 || p.items.empty())
+        fail("poses: " + to_string(p.dims) + " way points, wanted (K, 4, 4) with K at least 1");
+    const auto lock = writing(w);
+    return id_array(w.set_path(robot_of(w, robot), std::move(p.items)));
+}
+
+nb::object candidates(const World& w, nb::handle robot) {
+    const auto lock = reading(w);
+    const BodyId id = robot_of(w, robot);
+    const Path* p = w.path(id);
+    if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
+    return id_array(p->candidates);
+}
+
+nb::object motion_boxes(const World& w, nb::handle robot) {
+    const auto lock = reading(w);
+    const BodyId id = robot_of(w, robot);
+    const Path* p = w.path(id);
+    if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
+    return copy_out(reinterpret_cast<const double*>(p->legs.data()), {static_cast<int64_t>(p->legs.size())}, {2, 3});
+}
+
+// Bits of the movers whose motion box the body meets, its own among them.
+nb::object mask(const World& w, nb::handle body) {
+    const auto lock = reading(w);
+    const BodyId id = body_of(w, body, "body");
+    nb::int_ out(0);
+    std::vector<BodyId> movers = w.body(id).movers;
+    if (w.path(w.body(id).root)) movers.push_back(w.body(id).root);
+    for (BodyId mover : movers) out = nb::int_(out | (nb::int_(1) << nb::int_(w.own_bit(mover))));
+    return out;
+}
+
+struct Posed {
+    Poses poses;
+    Array<double> times;
+    bool has_times;
+    Broadcast shape;
+
+    double time(int64_t i) const { return has_times ? times.data()[shape.offset(1, i)] : now; }
+    const Rigid& pose(int64_t i) const { return poses.items[shape.offset(0, i)]; }
+    bool single() const { return shape.dims.empty(); }
+};
+
+Posed posed(nb::handle poses_, nb::handle times) {
+    Posed out{poses(poses_, "poses"), {}, !times.is_none(), {}};
+    if (out.has_times) out.times = times_of(times, "times");
+    out.shape = broadcast({{"poses", out.poses.dims}, {"times", out.times.dims}});
+    return out;
+}
+
+nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, double margin,
+                    nb::handle threads) {
+    const Posed p = posed(poses_, times);
+    metres_of(margin, "margin");
+    const int n = threads_of(threads);
+    const auto lock = reading(w);
+    const BodyId id = robot_of(w, robot);
+    if (p.single()) return nb::cast(w.collides(id, p.pose(0), p.time(0), margin));
+    Output<bool> out = make_output<bool>(p.shape.dims);
+    parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) out.data[i] = w.collides(id, p.pose(i), p.time(i), margin);
+    });
+    return nb::cast(out.array);
+}
+
+nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, nb::handle threads) {
+    const Posed p = posed(poses_, times);
+    const int n = threads_of(threads);
+    const auto lock = reading(w);
+    const BodyId id = robot_of(w, robot);
+    Output<double> distance = make_output<double>(p.shape.dims);
+    Output<int32_t> other = make_output<int32_t>(p.shape.dims);
+    parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) {
+            const Clearance found = w.clearance(id, p.pose(i), p.time(i));
+            distance.data[i] = found.distance;
+            other.data[i] = found.other;
+        }
+    });
+    return nb::make_tuple(distance.array, other.array);
+}
+
+MotionSettings settings_of(double margin, double tolerance, double resolution, bool first, nb::handle t0,
+                           nb::handle t1) {
+    MotionSettings s;
+    s.certify.margin = metres_of(margin, "margin");
+    s.certify.tolerance = metres_of(tolerance, "tolerance");
+    if (!(tolerance > 0)) fail("tolerance: wanted metres, over 0");
+    s.resolution = metres_of(resolution, "resolution");
+    s.certify.first = first;
+    if (t0.is_none() != t1.is_none()) fail("t0, t1: wanted both (seconds), or neither");
+    if (!t0.is_none() && (!nb::try_cast(t0, s.from) || !nb::try_cast(t1, s.to) || !std::isfinite(s.from) ||
+                          !std::isfinite(s.to) || s.to < s.from))
+        fail("t0, t1: wanted finite seconds, t1 not before t0");
+    return s;
+}
+
+struct Outcomes {
+    Output<bool> free;
+    Output<double> contact, contact_by;
+    Output<int32_t> other, part;
+    Output<int64_t> checks;
+
+    explicit Outcomes(const Dims& dims)
+        : free(make_output<bool>(dims)), contact(make_output<double>(dims)), contact_by(make_output<double>(dims)),
+          other(make_output<int32_t>(dims)), part(make_output<int32_t>(dims)), checks(make_output<int64_t>(dims)) {}
+    void put(int64_t i, const MotionOutcome& o) {
+        free.data[i] = !o.contact.found;
+        contact.data[i] = o.contact.found ? o.contact.free_until : 1;
+        contact_by.data[i] = o.contact.found ? o.contact.shown : HUGE_VAL;
+        other.data[i] = o.other;
+        part.data[i] = o.part;
+        checks.data[i] = o.checks;
+    }
+    nb::tuple tuple() const {
+        return nb::make_tuple(free.array, contact.array, contact_by.array, other.array, part.array, checks.array);
+    }
+};
+
+nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::handle T1, double margin, double tolerance,
+                       double resolution, bool first, nb::handle t0, nb::handle t1, nb::handle threads) {
+    const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
+    const MotionSettings s = settings_of(margin, tolerance, resolution, first, t0, t1);
+    const Broadcast shape = broadcast({{"T0", from.dims}, {"T1", to.dims}});
+    const int n = threads_of(threads);
+    const auto lock = reading(w);
+    const BodyId id = robot_of(w, robot);
+    if (shape.dims.empty()) {
+        const MotionOutcome o = w.check_motion(id, from.items[0], to.items[0], s);
+        return nb::make_tuple(!o.contact.found, o.contact.found ? o.contact.free_until : 1.0,
+                              o.contact.found ? o.contact.shown : HUGE_VAL, o.other, o.part, o.checks);
+    }
+    Outcomes out(shape.dims);
+    parallel_for(shape.size, n, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i)
+            out.put(i, w.check_motion(id, from.items[shape.offset(0, i)], to.items[shape.offset(1, i)], s));
+    });
+    return out.tuple();
+}
+
+nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::handle T1, double margin,
+                        double tolerance, nb::handle t0, nb::handle t1) {
+    const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
+    const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
+    const auto lock = reading(w);
+    bool one;
+    const std::vector<BodyId> ids = bodies_of(w, robots, "robots", one);
+    const Dims wanted{static_cast<int64_t>(ids.size())};
+    const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims}, {"T1", to.dims}});
+    if (one || shape.dims != wanted) fail("robots, T0, T1: wanted (n,), (n, 4, 4), (n, 4, 4)");
+    std::vector<Rigid> begin, end;
+    for (size_t i = 0; i < ids.size(); ++i) {
+        robot_of(w, nb::int_(ids[i]), "robots");
+        if (std::count(ids.begin(), ids.end(), ids[i]) > 1) fail("robots: body " + std::to_string(ids[i]) + " is named twice");
+        begin.push_back(from.items[shape.offset(1, static_cast<int64_t>(i))]);
+        end.push_back(to.items[shape.offset(2, static_cast<int64_t>(i))]);
+    }
+    std::vector<MotionOutcome> found;
+    {
+        nb::gil_scoped_release released;
+        found = w.check_motions(ids, begin, end, s);
+    }
+    Outcomes out(wanted);
+    for (size_t i = 0; i < found.size(); ++i) out.put(static_cast<int64_t>(i), found[i]);
+    return out.tuple();
+}
+
+nb::object contacts(const World& w, double margin, nb::handle threads) {
+    metres_of(margin, "margin");
+    const int n = threads_of(threads);
+    const auto lock = reading(w);
+    const auto pairs = w.near_pairs(margin);
+    std::vector<uint8_t> hit(pairs.size(), 0);
+    parallel_for(static_cast<int64_t>(pairs.size()), n, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) hit[i] = w.pair_collides(pairs[i].first, pairs[i].second, margin);
+    });
+    w.count_tests(static_cast<int64_t>(pairs.size()));
+    std::vector<int32_t> rows;
+    for (size_t i = 0; i < pairs.size(); ++i)
+        if (hit[i]) rows.insert(rows.end(), {pairs[i].first, pairs[i].second});
+    return copy_out(rows.data(), {static_cast<int64_t>(rows.size() / 2)}, {2});
+}
+
+nb::object raycast(const World& w, nb::handle origins, nb::handle directions, double max_distance, nb::handle ignored,
+                   nb::handle threads) {
+    const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
+    if (!(max_distance >= 0)) fail("max_distance: wanted metres, 0 or more");
+    const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}});
+    const int n = threads_of(threads);
+    Output<double> distance = make_output<double>(shape.dims);
+    Output<int32_t> body = make_output<int32_t>(shape.dims);
+    const auto lock = reading(w);
+    bool one;
+    std::vector<BodyId> skip;
+    if (!ignored.is_none()) skip = bodies_of(w, ignored, "ignore", one);
+    std::sort(skip.begin(), skip.end());
+    parallel_for(shape.size, n, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i) {
+            const double* p = o.data() + 3 * shape.offset(0, i);
+            const WorldHit hit = w.raycast({p[0], p[1], p[2]}, direction_of(d.data() + 3 * shape.offset(1, i)), max_distance, skip);
+            distance.data[i] = hit.distance;
+            body.data[i] = hit.body;
+        }
+    });
+    return nb::make_tuple(distance.array, body.array);
+}
+
+// All of a body that a record or a pickle needs.
+nb::dict record(const World& w, nb::handle body) {
+    const auto lock = reading(w);
+    const BodyId id = body_of(w, body, "body");
+    const Body& b = w.body(id);
+    nb::dict out;
+    out["id"] = id;
+    out["name"] = b.name;
+    out["shape"] = b.shape;
+    out["pose"] = pose_out({b.pose}, {});
+    nb::list groups;
+    for (int32_t g : b.groups) groups.append(w.groups()[g]);
+    out["groups"] = groups;
+    out["allowed"] = b.allowed;
+    out["carrier"] = b.carrier;
+    out["parts"] = b.parts;
+    out["path"] = w.path(id) ? pose_out(w.path(id)->poses, {static_cast<int64_t>(w.path(id)->poses.size())}) : nb::none();
+    nb::object times = nb::none(), poses = nb::none();
+    if (b.trajectory) {
+        times = copy_out(b.trajectory->times.data(), {static_cast<int64_t>(b.trajectory->times.size())});
+        poses = pose_out(b.trajectory->poses, {static_cast<int64_t>(b.trajectory->poses.size())});
+    }
+    out["trajectory"] = nb::make_tuple(times, poses);
+    return out;
+}
+
+nb::object ids(const World& w) {
+    const auto lock = reading(w);
+    std::vector<BodyId> out;
+    for (BodyId id = 0; id < w.end_id(); ++id)
+        if (w.find(id)) out.push_back(id);
+    return id_array(out);
+}
+
+nb::list allowed_groups(const World& w) {
+    const auto lock = reading(w);
+    nb::list out;
+    for (const auto& [a, b] : w.allowed_groups()) out.append(nb::make_tuple(w.groups()[a], w.groups()[b]));
+    return out;
+}
+
+Masks masks_of(const std::string& name) {
+    if (name == "path") return Masks::path;
+    if (name == "published") return Masks::published;
+    if (name == "off") return Masks::off;
+    fail("masks: '" + name + "' is unknown, wanted path, published or off");
+}
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+    nb::class_<World>(m, "World")
+        .def("__init__", [](World* self, const std::string& masks) { new (self) World(masks_of(masks)); }, "masks"_a)
+        .def("copy_from", [](World* self, const World& other) {
+            const auto lock = reading(other);
+            self->~World();
+            new (self) World(other);
+        })
+        .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, "groups"_a.none(), "id"_a)
+        .def("set_end_id", [](World& w, BodyId id) { w.set_end_id(id); }, "id"_a)
+        .def("end_id", [](const World& w) { return w.end_id(); })
+        .def("remove", &remove, "body"_a.none())
+        .def("set_pose", &set_pose, "ids"_a.none(), "poses"_a.none())
+        .def("poses", &get_poses, "ids"_a.none())
+        .def("attach", [](World& w, nb::handle body, nb::handle carrier) {
+            const auto lock = writing(w);
+            w.attach(body_of(w, body, "body"), body_of(w, carrier, "carrier"));
+        }, "body"_a.none(), "carrier"_a.none())
+        .def("detach", [](World& w, nb::handle body) {
+            const auto lock = writing(w);
+            w.detach(body_of(w, body, "body"));
+        }, "body"_a.none())
+        .def("allow", [](World& w, nb::handle a, nb::handle b, bool allowed) {
+            const auto lock = writing(w);
+            w.allow(body_of(w, a, "a"), body_of(w, b, "b"), allowed);
+        }, "a"_a.none(), "b"_a.none(), "allowed"_a)
+        .def("allow_groups", [](World& w, const std::string& a, const std::string& b, bool allowed) {
+            const auto lock = writing(w);
+            w.allow_groups(a, b, allowed);
+        }, "a"_a, "b"_a, "allowed"_a)
+        .def("allowed_groups", &allowed_groups)
+        .def("set_trajectory", &set_trajectory, "body"_a.none(), "times"_a.none(), "poses"_a.none())
+        .def("set_path", &set_path, "robot"_a.none(), "poses"_a.none())
+        .def("clear_path", [](World& w, nb::handle robot) {
+            const auto lock = writing(w);
+            w.clear_path(robot_of(w, robot));
+        }, "robot"_a.none())
+        .def("candidates", &candidates, "robot"_a.none())
+        .def("motion_boxes", &motion_boxes, "robot"_a.none())
+        .def("mask", &mask, "body"_a.none())
+        .def("own_bit", [](const World& w, nb::handle robot) {
+            const auto lock = reading(w);
+            return w.own_bit(robot_of(w, robot));
+        }, "robot"_a.none())
+        .def("collides", &collides, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), "margin"_a, "threads"_a.none())
+        .def("clearance", &clearance, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), "threads"_a.none())
+        .def("check_motion", &check_motion, "robot"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a, "tolerance"_a,
+             "resolution"_a, "first"_a, "t0"_a.none(), "t1"_a.none(), "threads"_a.none())
+        .def("check_motions", &check_motions, "robots"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a,
+             "tolerance"_a, "t0"_a.none(), "t1"_a.none())
+        .def("contacts", &contacts, "margin"_a, "threads"_a.none())
+        .def("raycast", &raycast, "origins"_a.none(), "directions"_a.none(), "max_distance"_a, "ignore"_a.none(),
+             "threads"_a.none())
+        .def("record", &record, "body"_a.none())
+        .def("ids", &ids)
+        .def("masks", [](const World& w) {
+            return w.masks() == Masks::path ? "path" : w.masks() == Masks::off ? "off" : "published";
+        })
+        .def("tests", [](const World& w) { return w.tests(); })
+        .def("nbytes", [](const World& w) {
+            const auto lock = reading(w);
+            return w.nbytes();
+        })
+        .def("__len__", [](const World& w) {
+            const auto lock = reading(w);
+            return w.size();
+        });
+}
+
+}  // namespace fgenv

@@ -1,0 +1,215 @@
+#include "certify.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "edge_face.h"
+#include "kernels.h"
+
+namespace fgenv {
+namespace {
+
+constexpr int max_steps = 300;       // of one pair of faces
+constexpr int max_pairs = 512;       // of faces, taken one by one
+constexpr int enough_pairs = 24;     // more are worth another look at half the time
+constexpr int max_halvings = 24;
+constexpr double askew = 1.0001;     // poses may be off orthonormal by 1e-5
+constexpr double rounding = 4e-15;   // of the coordinates: more than placing a corner twice is off by
+
+using Corners = std::array<Vec3, 3>;
+
+Corners corners(const Shape& s, int32_t face) {
+    const Face& f = s.mesh.faces[face];
+    return {s.mesh.vertices[f[0]], s.mesh.vertices[f[1]], s.mesh.vertices[f[2]]};
+}
+
+struct Instant {
+    Rigid a, b;
+    Velocity va, vb;
+};
+
+Instant instant(const Moving& a, const Moving& b, double t) {
+    return {a.motion->pose(t), b.motion->pose(t), a.motion->velocity(t), b.motion->velocity(t)};
+}
+
+Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half, double margin) {
+    const auto side = [&](const Velocity& u, const Acceleration& acc) {
+        const double squared = 0.5 * half * half * askew;
+        return Sweep::Side{(half * askew) * unrotate(now.a, u.v), (half * askew) * unrotate(now.a, u.w),
+                           squared * acc.at_origin, squared * acc.by_radius};
+    };
+    return {relative(now.a, now.b), side(now.va, a.motion->acceleration()), side(now.vb, b.motion->acceleration()),
+            margin};
+}
+
+// Two faces moving. Corners are placed relative to b's origin, along the axes of the world.
+class FaceAdvance {
+public:
+    FaceAdvance(const Moving& a, const Moving& b, FacePair pair, const CertifySettings& s)
+        : a_(a), b_(b), settings_(s), fa_(corners(*a.shape, pair.a)), fb_(corners(*b.shape, pair.b)) {
+        const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
+        for (int k = 0; k < 3; ++k) {
+            radius_a_ = greater(radius_a_, askew * norm(fa_[k]));
+            radius_b_ = greater(radius_b_, askew * norm(fb_[k]));
+        }
+        acceleration_ = at_a.at_origin + at_a.by_radius * radius_a_ + at_b.at_origin + at_b.by_radius * radius_b_;
+    }
+
+    // How long the faces stay apart, for certain, after and before t; 0 if that can't be told.
+    struct Stay {
+        double after, before;
+    };
+    Stay stay(double t) {
+        place(t);
+        const Nearest near = kernels().nearest_faces(xa_.data(), xb_.data());
+        const Vec3 n = unit(near.on_b - near.on_a);
+        double top = -HUGE_VAL, bottom = HUGE_VAL;  // of a's corners, of b's
+        double rise = -HUGE_VAL, sink = HUGE_VAL, fall = HUGE_VAL, climb = -HUGE_VAL;
+        for (int k = 0; k < 3; ++k) {
+            top = greater(top, dot(n, xa_[k]));
+            bottom = lesser(bottom, dot(n, xb_[k]));
+            const double ua = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
+            const double ub = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
+            rise = greater(rise, ua);
+            sink = lesser(sink, ua);
+            fall = lesser(fall, ub);
+            climb = greater(climb, ub);
+        }
+        const double gap = bottom - top - settings_.margin - slack_;
+        if (!(gap > 0)) return {0, 0};
+        return {time(gap, rise - fall), time(gap, climb - sink)};
+    }
+
+    // Whether the faces meet at t, or are nearer than the margin.
+    bool meet(double t) {
+        place(t);
+        if (settings_.margin > 0 &&
+            kernels().nearest_faces(xa_.data(), xb_.data()).squared <= settings_.margin * settings_.margin)
+            return true;
+        for (int k = 0; k < 3; ++k) {
+            const int l = (k + 1) % 3;
+            if (edge_meets_face(xa_[k], xa_[l], xb_.data()) || edge_meets_face(xb_[k], xb_[l], xa_.data())) return true;
+        }
+        return false;
+    }
+
+    // What a point of one may move against a point of the other, per unit of time.
+    double speed() const {
+        return norm(now_.va.v - now_.vb.v) + norm(now_.va.w) * radius_a_ + norm(now_.vb.w) * radius_b_;
+    }
+
+private:
+    void place(double t) {
+        now_ = instant(a_, b_, t);
+        centre_a_ = origin(now_.a) - origin(now_.b);
+        for (int k = 0; k < 3; ++k) {
+            xa_[k] = centre_a_ + rotate(now_.a, fa_[k]);
+            xb_[k] = rotate(now_.b, fb_[k]);
+        }
+        slack_ = rounding * (norm(centre_a_) + radius_a_ + radius_b_) +
+                 0x1p-51 * (norm(origin(now_.a)) + norm(origin(now_.b)));
+    }
+
+    // The longest t with approach t + acceleration t^2 / 2 <= gap.
+    double time(double gap, double approach) const {
+        const double root = std::sqrt(greater(approach * approach + 2 * acceleration_ * gap, 0));
+        if (approach + root > 0 && approach >= 0) return 2 * gap / (approach + root) * (1 - 1e-12);
+        return acceleration_ > 0 ? (root - approach) / acceleration_ * (1 - 1e-12) : HUGE_VAL;
+    }
+
+    const Moving &a_, &b_;
+    const CertifySettings& settings_;
+    Corners fa_, fb_, xa_, xb_;
+    double radius_a_ = 0, radius_b_ = 0, acceleration_ = 0, slack_ = 0;
+    Vec3 centre_a_{0, 0, 0};
+    Instant now_;
+};
+
+class Certifier {
+public:
+    Certifier(const Moving& a, const Moving& b, const CertifySettings& s, Contact& contact, int64_t& sweeps)
+        : a_(a), b_(b), settings_(s), contact_(contact), sweeps_(sweeps) {}
+
+    // In the order of time, so that each stretch begins where all before it is proved free. `before`: how
+    // many pairs the stretch twice as long left.
+    void run(double lo, double hi, int halvings, int before) {
+        hi = lesser(hi, contact_.free_until);
+        if (lo >= hi || done()) return;
+        FacePair pairs[max_pairs];
+        const double middle = 0.5 * (lo + hi);
+        ++sweeps_;
+        const Instant now = instant(a_, b_, middle);
+        const Sweep sweep = sweep_of(a_, b_, now, 0.5 * (hi - lo), settings_.margin);
+        const int count = kernels().sweep(*a_.shape, *b_.shape, sweep, pairs, max_pairs);
+        const bool worth_it = count > max_pairs || (count > enough_pairs && count <= 0.8 * before);
+        if (worth_it && halvings < max_halvings) {
+            if (collides(middle)) {
+                const double shown = settings_.first ? first_shown(lo, middle) : middle;
+                find(shown, shown);
+                return run(lo, shown, halvings + 1, count);
+            }
+            run(lo, middle, halvings + 1, count);
+            return run(middle, hi, halvings + 1, count);
+        }
+        if (count > max_pairs) return give_up(lo);
+        for (int i = 0; i < count && !done(); ++i) advance(pairs[i], lo, lesser(hi, contact_.free_until));
+    }
+
+private:
+    bool done() const { return contact_.found && !settings_.first; }
+
+    // A contact with no contact shortly before it, between a free t and a colliding one: so near to where
+    // it begins that few faces are left to be looked at up to there.
+    double first_shown(double free, double shown) const {
+        for (int i = 0; i < 10; ++i) {
+            const double middle = 0.5 * (free + shown);
+            (collides(middle) ? shown : free) = middle;
+        }
+        return shown;
+    }
+
+    bool collides(double t) const {
+        const Rigid pose = relative(a_.motion->pose(t), b_.motion->pose(t));
+        const double m = settings_.margin;
+        return kernels().collide(*a_.shape, *b_.shape, pose, true, nullptr) ||
+               (m > 0 && kernels().nearest(*a_.shape, *b_.shape, pose, m * m, true).face_a >= 0);
+    }
+
+    void advance(FacePair pair, double lo, double hi) {
+        FaceAdvance faces(a_, b_, pair, settings_);
+        const double middle = 0.5 * (lo + hi);
+        const FaceAdvance::Stay around = faces.stay(middle);
+        if (middle + around.after >= hi && middle - around.before <= lo) return;
+        double t = lo;
+        for (int step = 0; step < max_steps; ++step) {
+            const double after = faces.stay(t).after;
+            if (t + after >= hi) return;
+            t += after;
+            const double bracket = settings_.tolerance / greater(faces.speed(), 1e-300);
+            if (after > 0.25 * bracket) continue;
+            const double shown = lesser(t + 0.5 * bracket, 1);
+            if (faces.meet(shown)) return find(t, shown);
+            // Another pair that shares the corner may have shown it already.
+            if (contact_.found && contact_.shown <= t + bracket) return find(t, contact_.shown);
+            if (after == 0) break;
+        }
+        give_up(t);
+    }
+
+    void find(double free_until, double shown) { contact_ = {free_until, shown, true}; }
+    void give_up(double free_until) { find(free_until, std::numeric_limits<double>::quiet_NaN()); }
+
+    const Moving &a_, &b_;
+    const CertifySettings& settings_;
+    Contact& contact_;
+    int64_t& sweeps_;
+};
+
+}  // namespace
+
+void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
+                  Contact& contact, int64_t& sweeps) {
+    Certifier(a, b, settings, contact, sweeps).run(lo, hi, 0, std::numeric_limits<int>::max());
+}
+
+}  // namespace fgenv

@@ -1,0 +1,173 @@
+// Bodies that move among each other: who may meet whom (masks), and whether they do.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <shared_mutex>
+#include <string>
+
+#include "box_index.h"
+#include "certify.h"
+
+namespace fgenv {
+
+using BodyId = int32_t;
+
+// A motion known ahead: at `poses[i]` at `times[i]` (seconds), between them as RigidMotion, outside them
+// at rest.
+struct Trajectory {
+    std::vector<double> times;
+    std::vector<Rigid> poses;
+
+    Rigid pose(double time) const;
+    // The motion over [from, to], which holds no time of a pose inside, as seen by fractions [0, 1].
+    RigidMotion between(double from, double to, const Rigid* offset) const;
+};
+
+// A body is carried by another or stands for itself; with all that it carries it is a mover.
+struct Body {
+    BodyId id;
+    std::shared_ptr<Shape> shape;
+    std::string name;
+    Rigid pose;
+    Box box;     // around it where it is
+    Box extent;  // that, and all along its trajectory
+    std::vector<int32_t> groups;
+    std::vector<BodyId> allowed;  // sorted: contact with them is no collision
+    BodyId carrier = -1, root;
+    Rigid offset = identity();     // in the root's frame
+    std::vector<BodyId> parts;     // of a root: itself, then all that it carries
+    std::vector<BodyId> movers;    // sorted: whose motion box it meets
+    std::unique_ptr<Trajectory> trajectory;  // of a root
+};
+
+struct Path {
+    int bit = 0;
+    std::vector<Rigid> poses;
+    std::vector<Box> legs;               // motion boxes
+    std::vector<int32_t> items;          // of the legs in the index
+    std::vector<BodyId> candidates;      // sorted
+};
+
+enum class Masks : uint8_t { path, published, off };
+
+// When something is asked: NaN is now, with every body where it was set.
+constexpr double now = std::numeric_limits<double>::quiet_NaN();
+
+struct MotionSettings {
+    CertifySettings certify;
+    double from = now, to = now;  // seconds at fractions 0 and 1
+    double resolution = 0;        // metres; over 0: not certified, looked at in steps
+};
+
+struct MotionOutcome {
+    Contact contact;
+    BodyId part = -1, other = -1;
+    int64_t checks = 0;  // pairs of bodies looked at
+};
+
+struct Clearance {
+    double distance = HUGE_VAL;
+    BodyId other = -1;
+};
+
+struct WorldHit {
+    double distance = HUGE_VAL;
+    BodyId body = -1;
+};
+
+// Methods throw std::invalid_argument. Those that are const may run side by side; whoever calls holds
+// `mutex` accordingly.
+class World {
+public:
+    explicit World(Masks masks) : masks_(masks) {}
+    World(const World& other);
+    ~World();
+
+    BodyId add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
+               const std::vector<std::string>& groups, BodyId id = -1);
+    // Gives back what may hold the last reference to a shape, to be dropped where Python may be called.
+    std::shared_ptr<Shape> remove(BodyId id);
+    void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
+    void attach(BodyId id, BodyId carrier);
+    void detach(BodyId id);
+    void allow(BodyId a, BodyId b, bool allowed);
+    void allow_groups(const std::string& a, const std::string& b, bool allowed);
+    void set_trajectory(BodyId id, Trajectory trajectory);  // without times: forgets it
+
+    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Rigid> poses);
+    void clear_path(BodyId robot);
+    const Path* path(BodyId robot) const;
+    const std::map<BodyId, Path>& paths() const { return paths_; }
+    int own_bit(BodyId robot) const;
+
+    bool collides(BodyId robot, const Rigid& pose, double time, double margin) const;
+    Clearance clearance(BodyId robot, const Rigid& pose, double time) const;
+    MotionOutcome check_motion(BodyId robot, const Rigid& from, const Rigid& to, const MotionSettings& settings) const;
+    // All at once, each against the others' motions too.
+    std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Rigid>& from,
+                                             const std::vector<Rigid>& to, const MotionSettings& settings) const;
+    WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
+
+    // Pairs whose bounds meet, by rising ids; and whether such a pair collides.
+    std::vector<std::pair<BodyId, BodyId>> near_pairs(double margin) const;
+    bool pair_collides(BodyId a, BodyId b, double margin) const;
+
+    const Body& body(BodyId id) const;  // throws where there is none
+    const Body* find(BodyId id) const;
+    BodyId id_of(const std::string& name) const;  // -1: none
+    int32_t end_id() const { return static_cast<int32_t>(bodies_.size()); }
+    void set_end_id(BodyId id) { bodies_.resize(std::max<size_t>(bodies_.size(), id)); }
+    size_t size() const { return names_.size(); }
+    Masks masks() const { return masks_; }
+    const std::vector<std::string>& groups() const { return groups_; }
+    const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
+    bool ignores(const Body& a, const Body& b) const;  // a pair that is never a collision
+    int64_t tests() const { return tests_; }
+    void count_tests(int64_t n) const { tests_ += n; }
+    size_t nbytes() const;
+
+    mutable std::shared_mutex mutex;
+
+private:
+    struct Part;
+    struct Sweeping;
+
+    Body& at(BodyId id);
+    Body& root_at(BodyId id, const char* what);
+    int32_t group(const std::string& name);
+    void refresh(Body& body, const Rigid& pose);
+    void settle(BodyId id);
+    void adopt(BodyId id, BodyId root, const Rigid& offset);
+    bool meets(const Path& path, BodyId robot, const Body& body) const;
+    void update_masks(BodyId id);
+    void update_all_masks();
+    void find_movers(BodyId id, std::vector<BodyId>& out) const;
+    void drop_legs(Path& path);
+    std::vector<Box> legs_of(const Body& robot, const std::vector<Rigid>& poses) const;
+    void set_candidates(BodyId robot, std::vector<BodyId> candidates);
+    void candidates(const Body& robot, const Box& box, std::vector<BodyId>& out) const;
+    Rigid pose_of(const Body& body, double time) const;
+    Box box_of(const Body& body, double time) const;
+    Sweeping sweeping(const Body& robot, const Rigid& from, const Rigid& to, double margin) const;
+    bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
+                    MotionOutcome& out) const;
+    MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s) const;
+    void certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const;
+    void meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, MotionOutcome& of_a,
+              MotionOutcome& of_b) const;
+
+    Masks masks_;
+    std::vector<std::unique_ptr<Body>> bodies_;  // by id
+    std::map<std::string, BodyId> names_;
+    std::vector<std::string> groups_;
+    std::vector<std::pair<int32_t, int32_t>> allowed_groups_;
+    BoxIndex index_;              // extents of bodies
+    BoxIndex legs_;               // motion boxes
+    std::vector<BodyId> leg_of_;  // by item of legs_, -1: spare
+    std::map<BodyId, Path> paths_;
+    mutable std::atomic<int64_t> tests_{0};
+};
+
+}  // namespace fgenv

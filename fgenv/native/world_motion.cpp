@@ -1,0 +1,209 @@
+// A world's motions: from pose to pose, certified or looked at in steps, one mover or many at once.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "kernels.h"
+#include "world.h"
+
+namespace fgenv {
+namespace {
+
+bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
+    const Rigid pose = relative(ta, tb);
+    if (kernels().collide(a, b, pose, true, nullptr)) return true;
+    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
+}
+
+}  // namespace
+
+// One body along one motion.
+struct World::Part {
+    const Body* body;
+    RigidMotion motion;
+    Box swept;  // margin and all
+};
+
+// A mover's parts along its motion.
+struct World::Sweeping {
+    std::vector<Part> parts;
+    Box around = empty_box();
+};
+
+World::Sweeping World::sweeping(const Body& robot, const Rigid& from, const Rigid& to, double margin) const {
+    Sweeping out;
+    out.parts.reserve(robot.parts.size());
+    for (BodyId id : robot.parts) {
+        const Body& part = body(id);
+        out.parts.push_back({&part, RigidMotion(from, to, &part == &robot ? nullptr : &part.offset), {}});
+        Part& p = out.parts.back();
+        p.swept = widened(swept_box(*part.shape, p.motion, 0, 1), margin);
+        grow(out.around, p.swept);
+    }
+    return out;
+}
+
+// Collision at one fraction of the motion with bodies at rest or on their trajectories; lowers `out`.
+bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
+                       MotionOutcome& out) const {
+    const double time = s.from + t * (s.to - s.from);
+    for (const Part& part : moving.parts) {
+        const Rigid pose = part.motion.pose(t);
+        const Box box = widened(posed_box(*part.body->shape, pose), s.certify.margin);
+        for (BodyId id : others) {
+            const Body& other = body(id);
+            if (ignores(*part.body, other) || !overlap(box, box_of(other, time))) continue;
+            ++out.checks;
+            if (!hits(*part.body->shape, pose, *other.shape, pose_of(other, time), s.certify.margin)) continue;
+            out.part = part.body->id;
+            out.other = id;
+            return true;
+        }
+    }
+    return false;
+}
+
+// As OMPL's discrete validator: at steps no point moves more than `resolution` between; the first that
+// collides.
+MotionOutcome World::step_through(const Sweeping& moving, const std::vector<BodyId>& others,
+                                  const MotionSettings& s) const {
+    MotionOutcome out;
+    double longest = 0;
+    for (const Part& part : moving.parts) {
+        const Velocity u = part.motion.velocity(0);
+        longest = greater(longest, norm(u.v) + norm(u.w) * part.body->shape->radius);
+    }
+    const int64_t steps = std::max<int64_t>(1, static_cast<int64_t>(std::ceil(longest / s.resolution)));
+    for (int64_t i = 0; i <= steps; ++i) {
+        const double t = double(i) / double(steps);
+        if (!touches_at(moving, t, others, s, out)) continue;
+        out.contact = {i ? double(i - 1) / double(steps) : 0, t, true};
+        break;
+    }
+    return out;
+}
+
+void World::certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const {
+    ++out.checks;
+    const Moving a{part.body->shape.get(), &part.motion};
+    const Body& root = body(other.root);
+    const Contact before = out.contact;
+    int64_t sweeps = 0;
+    if (!root.trajectory || std::isnan(s.from)) {
+        const RigidMotion rest(other.pose, other.pose);
+        find_contact(a, {other.shape.get(), &rest}, 0, 1, s.certify, out.contact, sweeps);
+    } else {
+        // From one pose of the trajectory to the next, as the robot's fractions count.
+        const Rigid* offset = &other == &root ? nullptr : &other.offset;
+        double lo = 0;
+        std::vector<double> ends;
+        for (double time : root.trajectory->times)
+            if (time > s.from && time < s.to) ends.push_back((time - s.from) / (s.to - s.from));
+        ends.push_back(1);
+        for (double hi : ends) {
+            if (!(hi > lo)) continue;
+            const double from = s.from + lo * (s.to - s.from), to = s.from + hi * (s.to - s.from);
+            const RigidMotion leg = root.trajectory->between(from, to, offset).retimed(-lo / (hi - lo), 1 / (hi - lo));
+            find_contact(a, {other.shape.get(), &leg}, lo, hi, s.certify, out.contact, sweeps);
+            lo = hi;
+        }
+    }
+    if (out.contact.found && out.contact.free_until < before.free_until) {
+        out.part = part.body->id;
+        out.other = other.id;
+    }
+}
+
+MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to, const MotionSettings& s) const {
+    const Body& robot = body(id);
+    const Sweeping moving = sweeping(robot, from, to, s.certify.margin);
+    std::vector<BodyId> others;
+    candidates(robot, moving.around, others);
+    others.erase(std::remove_if(others.begin(), others.end(), [&](BodyId o) { return body(o).root == id; }), others.end());
+    MotionOutcome out;
+    if (s.resolution > 0) {
+        out = step_through(moving, others, s);
+    } else if (touches_at(moving, 0, others, s, out)) {
+        out.contact = {0, 0, true};
+    } else if (!s.certify.first && touches_at(moving, 1, others, s, out)) {
+        out.contact = {0, 1, true};
+    } else {
+        for (const Part& part : moving.parts)
+            for (BodyId o : others) {
+                const Body& other = body(o);
+                const Box box = std::isnan(s.from) ? other.box : other.extent;
+                if (ignores(*part.body, other) || !overlap(box, part.swept)) continue;
+                certify(part, other, s, out);
+                if (out.contact.found && !s.certify.first) break;
+            }
+    }
+    tests_.fetch_add(out.checks, std::memory_order_relaxed);
+    return out;
+}
+
+std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Rigid>& from,
+                                                const std::vector<Rigid>& to, const MotionSettings& s) const {
+    const size_t n = robots.size();
+    std::vector<Sweeping> moving;
+    std::vector<Box> boxes;
+    std::vector<BodyId> sorted = robots;
+    std::sort(sorted.begin(), sorted.end());
+    for (size_t i = 0; i < n; ++i) {
+        moving.push_back(sweeping(body(robots[i]), from[i], to[i], s.certify.margin));
+        boxes.push_back(moving.back().around);
+    }
+    std::vector<MotionOutcome> out(n);
+    BoxIndex index;
+    std::vector<int32_t> rows(n);
+    std::iota(rows.begin(), rows.end(), 0);
+    index.set_many(rows, boxes);
+    std::vector<BodyId> others, near;
+    for (size_t i = 0; i < n; ++i) {
+        candidates(body(robots[i]), moving[i].around, others);
+        others.erase(std::remove_if(others.begin(), others.end(),
+                                    [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
+                     others.end());
+        if (touches_at(moving[i], 0, others, s, out[i])) out[i].contact = {0, 0, true};
+        for (const Part& part : moving[i].parts)
+            for (BodyId o : others) {
+                const Body& other = body(o);
+                const Box box = std::isnan(s.from) ? other.box : other.extent;
+                if (!ignores(*part.body, other) && overlap(box, part.swept)) certify(part, other, s, out[i]);
+            }
+        near.clear();
+        index.overlapping(moving[i].around, near);
+        std::sort(near.begin(), near.end());
+        for (int32_t j : near)
+            if (static_cast<size_t>(j) > i) meet(moving[i], moving[j], s, out[i], out[j]);
+    }
+    int64_t checks = 0;
+    for (const MotionOutcome& o : out) checks += o.checks;
+    tests_.fetch_add(checks, std::memory_order_relaxed);
+    return out;
+}
+
+// Two movers at once; the earlier of what each knew and what is found here stands for each.
+void World::meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, MotionOutcome& of_a,
+                 MotionOutcome& of_b) const {
+    for (const Part& p : a.parts)
+        for (const Part& q : b.parts) {
+            if (ignores(*p.body, *q.body) || !overlap(p.swept, q.swept)) continue;
+            Contact found;
+            found.free_until = greater(of_a.contact.free_until, of_b.contact.free_until);
+            ++of_a.checks;
+            ++of_b.checks;
+            int64_t sweeps = 0;
+            if (hits(*p.body->shape, p.motion.pose(0), *q.body->shape, q.motion.pose(0), s.certify.margin))
+                found = {0, 0, true};
+            else
+                find_contact({p.body->shape.get(), &p.motion}, {q.body->shape.get(), &q.motion}, 0, 1, s.certify, found, sweeps);
+            if (!found.found) continue;
+            if (found.free_until < of_a.contact.free_until || !of_a.contact.found)
+                of_a.contact = found, of_a.part = p.body->id, of_a.other = q.body->id;
+            if (found.free_until < of_b.contact.free_until || !of_b.contact.found)
+                of_b.contact = found, of_b.part = q.body->id, of_b.other = p.body->id;
+        }
+}
+
+}  // namespace fgenv
