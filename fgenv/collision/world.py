@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -302,7 +302,7 @@ class World:
         ignore: Body | Sequence[Body] | None = None,
         threads: int | None = None,
     ) -> RayHits:
-        """First hits of rays, origins and directions (..., 3), on all bodies but those to ignore."""
+        """First hits of rays, (..., 3) each, on all bodies but those to ignore."""
         return RayHits(*self._core.raycast(origins, directions, max_distance, ignore, threads))
 
     def record(self, body: Body) -> Record:
