@@ -94,9 +94,9 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
 
 std::shared_ptr<Shape> World::remove(BodyId id) {
     Body& b = at(id);
-    const std::vector<BodyId> parts = b.parts;
-    for (BodyId part : parts)
-        if (part != id && body(part).carrier == id) detach(part);
+    const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and carry in its turn
+    for (BodyId part : family)
+        if (body(part).carrier == id) detach(part);
     if (b.carrier >= 0) detach(id);
     clear_path(id);
     for (BodyId mover : b.movers) erase(paths_.at(mover).candidates, id);
