@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from solids import angle_iron, ball, box, opened, somewhere
 
+from fgenv.bench.poses import random_rotations
 from fgenv.collision import Shape, collide, distance
 from fgenv.collision.world import World
 
@@ -34,11 +35,16 @@ def shapes() -> tuple[Shape, ...]:
 
 
 def along(T0: Array, T1: Array, t: Array) -> Array:
-    """Poses (n, 4, 4) at fractions t (n,): position linear, the shortest arc from T0's rotation."""
+    """Poses (n, 4, 4) at fractions t (n,) of motions from T0 to T1, one or n of them.
+
+    Position is linear, orientation takes the shortest arc from T0's.
+    """
+    T0, T1 = np.broadcast_to(T0, (len(t), 4, 4)), np.broadcast_to(T1, (len(t), 4, 4))
     out = np.tile(np.eye(4), (len(t), 1, 1))
-    out[:, :3, 3] = T0[:3, 3] + t[:, None] * (T1[:3, 3] - T0[:3, 3])
-    turn = Rotation.from_matrix(T1[:3, :3] @ T0[:3, :3].T).as_rotvec()
-    out[:, :3, :3] = Rotation.from_rotvec(t[:, None] * turn).as_matrix() @ T0[:3, :3]
+    out[:, :3, 3] = T0[:, :3, 3] + t[:, None] * (T1 - T0)[:, :3, 3]
+    if len(t):
+        turn = Rotation.from_matrix(T1[:, :3, :3] @ T0[:, :3, :3].transpose(0, 2, 1)).as_rotvec()
+        out[:, :3, :3] = Rotation.from_rotvec(t[:, None] * turn).as_matrix() @ T0[:, :3, :3]
     return out
 
 
@@ -229,5 +235,8 @@ def carry(world: World, model: Model, body: int, carrier: int) -> None:
 
 
 def wander(rng: np.random.Generator, count: int, reach: float) -> Array:
-    """Poses (count, 4, 4) at random."""
-    return np.stack([somewhere(rng, reach) for _ in range(count)])
+    """Poses (count, 4, 4) at random, within about `reach` metres."""
+    out = np.tile(np.eye(4), (count, 1, 1))
+    out[:, :3, :3] = random_rotations(rng, count)
+    out[:, :3, 3] = rng.normal(size=(count, 3)) * reach
+    return out
