@@ -869,7 +869,7 @@ def digest(**environment: str) -> tuple[str, str]:
     return isa, value
 
 
-def test_results_are_equal_bit_for_bit_on_every_machine() -> None:
+def test_motions_are_equal_bit_for_bit_on_every_machine() -> None:
     usual = digest(FGENV_THREADS="1")
     baseline = digest(FGENV_ISA="baseline", FGENV_THREADS="3")
     assert baseline == ("baseline", usual[1])
