@@ -149,6 +149,33 @@ def test_a_door_is_met_in_time() -> None:
     assert found.free
 
 
+@pytest.mark.parametrize("moment", [1e-3, 1e-9, 1e-13, 1e-16])
+def test_a_body_that_darts_by_is_met(moment: float) -> None:
+    """However short the time between two poses of a trajectory, what lies between is passed."""
+    small = Shape(*box(0.1))
+    for window in ((0.0, 1.0), (-1000.0, 1000.0)):
+        world = World()
+        robot, fly = world.add(small), world.add(small, at(0.0, 50.0))
+        times = [0.5, max(0.5 + moment, float(np.nextafter(0.5, 1.0)))]
+        world.set_trajectory(fly, times, [at(0.0, -5.0), at(0.0, 5.0)])
+        found = world.check_motion(robot, HERE, HERE, t0=window[0], t1=window[1])
+        assert not found.free
+        assert found.contact <= (0.5 - window[0]) / (window[1] - window[0]) + moment
+        # the last thing that happens
+        world.set_trajectory(fly, np.subtract(times, times[1] - 1.0), [at(0.0, -5.0), at(0.0, 5.0)])
+        assert not world.check_motion(robot, HERE, HERE, t0=window[0], t1=1.0).free
+        # a dart through a sheet, anywhere on the way
+        rng = np.random.default_rng(12)
+        for _ in range(20):
+            world = World()
+            world.add(Shape(*box(1e-6, 1.0, 1.0)), at(*rng.uniform(-4.0, 4.0, size=3)))
+            world.add(Shape(*box(1e-4)))
+            way = at(*(world.poses(0)[:3, 3] * [0.0, 1.0, 1.0]))
+            world.set_trajectory(1, times, [way @ at(-5.0), way @ at(5.0)])
+            here = world.poses(0)
+            assert not world.check_motion(0, here, here, t0=window[0], t1=window[1]).free
+
+
 @pytest.mark.parametrize("gap", [1e-6, 1e-5, 1e-3])
 def test_sliding_along_a_wall_is_free(gap: float) -> None:
     rng = np.random.default_rng(0)
@@ -387,16 +414,27 @@ BODIES: dict[str, tuple[Solid, Solid]] = {
 }
 
 
-def translations(a: Shape, b: Shape, seed: int, count: int, size: float, far: float = 0.0) -> float:
-    """Random translations of a past b against the formula; the share that meets."""
+def translations(
+    a: Shape, b: Shape, seed: int, count: int, size: float, far: float = 0.0, askew: float = 0.0
+) -> float:
+    """Random translations of a past b against the formula; the share that meets.
+
+    `far`: metres from the origin; `askew`: rotations are off by so much.
+    """
+
+    def off(pose: Array) -> Array:
+        if askew:
+            pose[:3, :3] += askew * rng.uniform(-1.0, 1.0, size=(3, 3))
+        return pose
+
     rng = np.random.default_rng(seed)
     met = unresolved = 0
     for _ in range(count):
         place = at(*(far * rng.choice([-1.0, 1.0], size=3)))
         world = World()
         world.add(a)
-        world.add(b, place @ somewhere(rng, 0.1 * size))
-        start = place @ somewhere(rng, 1.5 * size)
+        world.add(b, off(place @ somewhere(rng, 0.1 * size)))
+        start = off(place @ somewhere(rng, 1.5 * size))
         way = (place @ somewhere(rng, 0.5 * size))[:3, 3] - start[:3, 3]
         way *= rng.uniform(0.5, 3.0)
         end = start.copy()
@@ -428,6 +466,13 @@ def translations(a: Shape, b: Shape, seed: int, count: int, size: float, far: fl
 def test_first_contacts_of_translations(name: str) -> None:
     a, b = (Shape(*solid) for solid in BODIES[name])
     assert translations(a, b, seed=1, count=80, size=1.0) > 0.15
+
+
+def test_poses_in_single_precision() -> None:
+    """Or off by what the boundary lets through: bodies are then askew, and met as they are."""
+    a, b = (Shape(*solid) for solid in BODIES["irons"])
+    for askew in (1e-7, 1.5e-6):
+        assert translations(a, b, seed=6, count=80, size=1.0, askew=askew) > 0.15
 
 
 @pytest.mark.parametrize("pair", pairs(2, largest=300, seed=31), ids=lambda pair: pair.name)
