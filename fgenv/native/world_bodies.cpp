@@ -258,8 +258,7 @@ Rigid Trajectory::pose(double time) const {
 }
 
 RigidMotion Trajectory::between(double from, double to, const Rigid* offset) const {
-    const double middle = 0.5 * (from + to);
-    const size_t next = std::upper_bound(times.begin(), times.end(), middle) - times.begin();
+    const size_t next = std::upper_bound(times.begin(), times.end(), from) - times.begin();
     if (next == 0) return RigidMotion(poses.front(), poses.front(), offset);
     if (next == times.size()) return RigidMotion(poses.back(), poses.back(), offset);
     const double begin = times[next - 1], length = times[next] - begin;
