@@ -11,11 +11,10 @@ import typer
 from fgenv.cli import bench_world
 from fgenv.cli.options import Json, Seed
 
-
 app = typer.Typer(
     name="bench",
-    help="Race fgenv against other collision libraries: [bold]pairs[/bold] of meshes, query by "
-    "query; a [bold]world[/bold] of many bodies. fgenv bench pairs --help, fgenv bench world --help.",
+    help="Race fgenv against other collision libraries. Each race has options of its own, "
+    "--seed and --json among them: fgenv bench pairs --help, fgenv bench world --help.",
     rich_markup_mode="rich",
     no_args_is_help=True,
 )

@@ -46,13 +46,13 @@ def world(
     console.print(f"Python {about['python']}, NumPy {about['numpy']}")
     console.print(", ".join(f"{name} {number}" for name, number in versions.items()))
     done: dict[str, list[dict[str, Any]]] = {}
-    with console.status("all pairs a step") as status:
+    with console.status("steps") as status:
         for kind, record in bench_world(seed=seed, quick=quick):
-            if kind not in done and done:
-                show(console, *list(done.items())[-1])
+            if done and kind not in done:
+                show(console, list(done)[-1], done)
             done.setdefault(kind, []).append(record)
             status.update(f"{kind}: {len(done[kind])} done")
-    show(console, *list(done.items())[-1])
+    show(console, list(done)[-1], done)
     if plot is not None:
         report.plot(done, plot)
     if as_json:
@@ -61,9 +61,10 @@ def world(
         typer.echo(json.dumps(document, indent=1))
 
 
-def show(console: Any, kind: str, records: list[dict[str, Any]]) -> None:
-    """The table of one part and what its columns mean."""
+def show(console: Any, kind: str, done: dict[str, list[dict[str, Any]]]) -> None:
+    """The tables of one part and what their columns mean."""
     from fgenv.bench.world.report import NOTES, table_of
 
-    console.print(table_of(kind, records))
-    console.print(NOTES.get(kind, ""), "", sep="\n")
+    for table in (kind, "truths") if kind == "motions" else (kind,):
+        console.print(table_of(table, done[kind]))
+        console.print(NOTES.get(table, ""), "", sep="\n")

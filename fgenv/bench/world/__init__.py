@@ -1,1 +1,1 @@
-"""``fgenv bench world``: many bodies, movers among them, motions; against libraries that do them."""
+"""``fgenv bench world``: many bodies, movers among them, motions; fgenv against others."""

@@ -1,4 +1,4 @@
-"""Motions of one body past another: certified, discrete, FCL's continuous; cost and who is right."""
+"""Motions of a body past another: certified, discrete, FCL's continuous; cost, and who is right."""
 
 from __future__ import annotations
 
@@ -238,7 +238,7 @@ def cross_check(motions: Motions, other: Fcl, result: Any) -> Record:
     dense = other.discrete(steps(motions, motions.b.size / DENSE))
     free, by = np.asarray(result.free), np.asarray(result.contact_by)
     shown = [
-        other.pair.collide(_at(motions, k, float(by[k])))
+        other.pair.collide(_at(motions, int(k), float(by[k])))
         for k in np.flatnonzero(~free & np.isfinite(by))
     ]
     return {
@@ -252,18 +252,19 @@ def cross_check(motions: Motions, other: Fcl, result: Any) -> Record:
 
 def _at(motions: Motions, k: int, fraction: float) -> Poses:
     """The pose (4, 4) of a motion at a fraction of it."""
-    return along(motions.T0[k], motions.T1[k], np.array([fraction]))[0]
+    return np.asarray(along(motions.T0[k], motions.T1[k], np.array([fraction]))[0])
 
 
 def _clearance(world: World, robot: int, motions: Motions, free: Flags) -> NDArray[np.float64]:
     """Least distance (n,) on the way, looked for at 16 poses of each free motion, in sizes."""
     pairs = zip(motions.T0[free], motions.T1[free], strict=True)
     poses = np.array([between(a, b, 16) for a, b in pairs]).reshape(-1, 16, 4, 4)
-    return world.clearance(robot, poses).distance.min(axis=1) / motions.b.size
+    least = world.clearance(robot, poses).distance.min(axis=1)
+    return np.asarray(least / motions.b.size)
 
 
 def _quartiles(values: NDArray[np.float64]) -> list[float]:
-    return np.quantile(values, (0.25, 0.5, 0.75)).tolist() if len(values) else []
+    return [float(v) for v in np.quantile(values, (0.25, 0.5, 0.75))] if len(values) else []
 
 
 def _race(

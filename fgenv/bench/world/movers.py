@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from time import perf_counter, process_time
 from typing import Any
 
@@ -29,7 +30,7 @@ class Paths:
 
     def cut(self, parts: int) -> Poses:
         """Poses (m, LEGS * parts + 1, 4, 4) along the paths, linear and by the shortest arc."""
-        legs = [between(a, b, parts) for path in self.points for a, b in zip(path, path[1:])]
+        legs = [between(a, b, parts) for path in self.points for a, b in pairwise(path)]
         cut = np.reshape(legs, (len(self.points), LEGS * parts, 4, 4))
         return np.concatenate([cut, self.points[:, -1:]], axis=1)
 

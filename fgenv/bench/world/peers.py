@@ -182,7 +182,7 @@ class MujocoBodies:
             body = spec.worldbody.add_body(name=str(k))
             body.add_freejoint()
             body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh")
-        spec.memory = max(1 << 20, 40_000 * len(poses))  # for contacts
+        spec.memory = (1 << 20) + 40_000 * len(poses) + 4 * len(poses) ** 2  # contacts, sorting
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
 

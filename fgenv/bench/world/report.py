@@ -21,12 +21,15 @@ NOTES = {
     "pairs whose boxes meet; hits: pairs that collide; in brackets pairs that differ from "
     "python-fcl's; coal tells pairs only with all their contacts, mujoco (h) answers about hulls; "
     "-: over the budget.",
-    "movers": "µs of CPU: set_path a path, collides a pose, check_motion a piece of path, certified "
-    "and at 1 cm; the smaller worlds are the middles of the largest, around the same paths. "
-    "candidates: bodies that bear a mover's bit; tests: pairs of bodies tested a pose, with masks, "
-    "as published (which hides collisions), without; B: bytes a body, without shapes.",
+    "movers": "µs of CPU: set_path a path, collides a pose, a motion (piece of path) certified and "
+    "at 1 cm; the smaller worlds are the middles of the largest, around the same paths. bear: "
+    "bodies that bear a mover's bit; tests: pairs of bodies tested a pose, with masks, as "
+    "published (which hides collisions), without; B: bytes a body, without shapes.",
     "motions": "µs of CPU a motion, free and in contact, and verdicts that are wrong; ×1 cm: cost "
     "of a free motion against the discrete check at 1 cm. Truth: the certified result.",
+    "truths": "clearance: quartiles of the least distance on free motions, in sizes; denied: "
+    "proved free, and python-fcl finds a pose that collides, a thousandth of the size between two; "
+    "confirmed: contacts shown, and python-fcl collides there as well.",
 }
 
 
@@ -37,6 +40,7 @@ def table_of(kind: str, records: Sequence[Record]) -> Table:
         "movers": movers_table,
         "threads": threads_table,
         "motions": motions_table,
+        "truths": truths_table,
         "goals": goals_table,
     }
     return makers[kind](records)
@@ -73,7 +77,7 @@ def _step(found: Record | None) -> str:
 def movers_table(records: Sequence[Record]) -> Table:
     """Worlds downward."""
     table = _table("A mover's check among bodies that stand")
-    for title in ("triangles", "bodies", *JOBS, "candidates", "tests", "publ.", "without", "B"):
+    for title in ("triangles", "bodies", *JOBS, "bear", "tests", "publ.", "without", "B"):
         table.add_column(title, justify="right", no_wrap=True)
     for record in records:
         for row in record["rows"]:
@@ -105,34 +109,45 @@ def motions_table(records: Sequence[Record]) -> Table:
     for title in ("free", "×1 cm", "contact", "missed", "false alarms"):
         table.add_column(title, justify="right", no_wrap=True)
     for record in records:
-        table.add_row(motions_title(record), style="bold")
+        a, b = record["triangles"]
+        table.add_row(f"{record['name']} ({a}/{b})", style="bold")
         unit = record["ways"]["discrete 1 cm"]["free"]
         for name, way in record["ways"].items():
             asked = f" (of {way['asked']})" if way["asked"] < record["motions"] else ""
-            times = way["free"] and unit and way["free"] / unit
             table.add_row(
                 "  " + name + asked,
-                *("-" if v is None else _number(1e6 * v) for v in (way["free"],)),
-                _number(times) if times else "-",
-                "-" if way["contact"] is None else _number(1e6 * way["contact"]),
+                *(
+                    _number(value * scale) if value and scale else "-"
+                    for value, scale in (
+                        (way["free"], 1e6),
+                        (way["free"], unit and 1 / unit),
+                        (way["contact"], 1e6),
+                    )
+                ),
                 str(way["missed"]),
                 str(way["false_alarms"]),
             )
     return table
 
 
-def motions_title(record: Record) -> str:
-    """The pair, what its motions are like, and what the cross-check said."""
-    a, b = record["triangles"]
-    truth, parts = record["truth"], [f"{record['free']} of {record['motions']} motions free"]
-    if record["clearance"]:
-        low, middle, high = (100 * c for c in record["clearance"])
-        parts.append(f"clearance {low:.2g}, {middle:.2g}, {high:.2g} % of size (quartiles)")
-    parts.append(f"FCL contradicts {truth['contradicted']}")
-    parts.append(f"confirms {truth['contacts_confirmed']} of {truth['contacts']} contacts")
-    if truth["unresolved"]:
-        parts.append(f"{truth['unresolved']} unresolved")
-    return f"{record['name']} ({a}/{b} triangles): {'; '.join(parts)}"
+def truths_table(records: Sequence[Record]) -> Table:
+    """What the motions are like, and what python-fcl says of the certified results."""
+    table = _table("Those motions, and the cross-check of their truth")
+    table.add_column("", no_wrap=True)
+    for title in ("motions", "free", "clearance", "denied", "confirmed", "unresolved"):
+        table.add_column(title, justify="right", no_wrap=True)
+    for record in records:
+        truth = record["truth"]
+        table.add_row(
+            record["name"],
+            str(record["motions"]),
+            str(record["free"]),
+            " ".join(f"{100 * c:.2g}" for c in record["clearance"]) + " %",
+            str(truth["contradicted"]),
+            f"{truth['contacts_confirmed']} of {truth['contacts']}",
+            str(truth["unresolved"]),
+        )
+    return table
 
 
 def goals_table(records: Sequence[Mapping[str, Any]]) -> Table:

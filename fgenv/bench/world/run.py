@@ -31,8 +31,11 @@ def bench_world(*, seed: int = 0, quick: bool = False) -> Iterator[tuple[str, Re
             costs: dict[str, Cost] = {}
             for count in sizes:
                 steps, budget = STEPS[count], 2.0 if quick else 15.0
-                yield "steps", bench_steps(
-                    mesh, count, managers(), seed, steps=steps, budget=budget, costs=costs
+                yield (
+                    "steps",
+                    bench_steps(
+                        mesh, count, managers(), seed, steps=steps, budget=budget, costs=costs
+                    ),
                 )
         for mesh in meshes.values():
             yield "movers", bench_movers(mesh, sizes[1:], seed)
@@ -52,14 +55,14 @@ def goals(done: dict[str, list[Record]]) -> Record:
     found: Record = {}
     for row in done["steps"]:
         if row["bodies"] in (100, 1000):
-            peers, name = row["peers"], f"{row['bodies']} bodies of {row['triangles']} triangles"
+            peers, name = row["peers"], f"{row['bodies']} bodies of {row['triangles']}"
             if "step" in peers.get("python-fcl", {}):
                 times = peers["python-fcl"]["step"] / peers["fgenv"]["step"]
-                found[f"times faster than FCL, {name}"] = {"wanted": 10.0, "measured": times}
+                found[f"×FCL, {name}"] = {"wanted": 10.0, "measured": times}
     for triangles in dict.fromkeys(row["triangles"] for row in done["steps"]):
         rows = [row for row in done["steps"] if row["triangles"] == triangles]
         if grown := growth(rows):
-            found[f"growth from {grown['from']} to {grown['to']} bodies, {triangles} triangles"] = {
+            found[f"growth, {grown['from']} to {grown['to']} bodies of {triangles}"] = {
                 "wanted": grown["n_log_n"],
                 "measured": grown["times"],
                 "at_most": True,
@@ -67,7 +70,7 @@ def goals(done: dict[str, list[Record]]) -> Record:
     for record in done["movers"]:
         few, many = (record["rows"][k]["bodies"] for k in (0, -1))
         for job in ("collides", "check_motion"):
-            found[f"{job} among {many} against {few}, {record['triangles']} triangles"] = {
+            found[f"{job}, {many} against {few} of {record['triangles']}"] = {
                 "wanted": 2.0,
                 "measured": record["growth"][job],
                 "at_most": True,
@@ -78,7 +81,7 @@ def goals(done: dict[str, list[Record]]) -> Record:
     for record in done["motions"]:
         ways = record["ways"]
         if ways["continuous"]["free"] and ways["discrete 1 cm"]["free"]:
-            found[f"continuous against discrete, free motions, {record['name']}"] = {
+            found[f"continuous / discrete, {record['name']}"] = {
                 "wanted": 1.0,
                 "measured": ways["continuous"]["free"] / ways["discrete 1 cm"]["free"],
                 "at_most": True,
