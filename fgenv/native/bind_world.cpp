@@ -339,15 +339,18 @@ nb::object contacts(const World& w, double margin, nb::handle threads) {
     metres_of(margin, "margin");
     const int n = threads_of(threads);
     const auto lock = reading(w);
-    const auto pairs = w.near_pairs(margin);
-    std::vector<uint8_t> hit(pairs.size(), 0);
-    parallel_for(static_cast<int64_t>(pairs.size()), n, [&](int64_t first, int64_t last) {
-        for (int64_t i = first; i < last; ++i) hit[i] = w.pair_collides(pairs[i].first, pairs[i].second, margin);
-    });
-    w.count_tests(static_cast<int64_t>(pairs.size()));
+    std::vector<std::pair<BodyId, BodyId>> pairs;
+    std::mutex gathering;
+    parallel_for(w.blocks(), n, [&](int64_t first, int64_t last) {
+        std::vector<std::pair<BodyId, BodyId>> found;
+        for (int64_t block = first; block < last; ++block)
+            w.contacts_of_block(static_cast<int32_t>(block), margin, found);
+        const std::lock_guard<std::mutex> guard(gathering);
+        pairs.insert(pairs.end(), found.begin(), found.end());
+    }, 16);
+    std::sort(pairs.begin(), pairs.end());
     std::vector<int32_t> rows;
-    for (size_t i = 0; i < pairs.size(); ++i)
-        if (hit[i]) rows.insert(rows.end(), {pairs[i].first, pairs[i].second});
+    for (const auto& [a, b] : pairs) rows.insert(rows.end(), {a, b});
     return copy_out(rows.data(), {static_cast<int64_t>(rows.size() / 2)}, {2});
 }
 

@@ -57,8 +57,8 @@ FGENV_INLINE BoxSearch search_boxes(const PackedBoxes& boxes, Vec3 s, Vec3 t) {
     return search;
 }
 
-// The next matching item, -1 when there is none left.
-FGENV_INLINE int32_t next(BoxSearch& search) {
+// The next matching entry of a level (an item for 0, a block of level - 1 else), -1 when there is none.
+FGENV_INLINE int32_t next_of_level(BoxSearch& search, int level_wanted) {
     while (search.depth) {
         BoxSearch::Entry& e = search.stack[search.depth - 1];
         if (!e.lanes) {
@@ -67,11 +67,17 @@ FGENV_INLINE int32_t next(BoxSearch& search) {
         }
         const int32_t child = 8 * e.block + __builtin_ctz(e.lanes);
         e.lanes &= e.lanes - 1;
-        if (e.level == 0) return search.boxes.items[child];
+        if (e.level == level_wanted) return child;
         const int32_t level = e.level - 1;
         search.stack[search.depth++] = {level, child, matching(search, level, child)};
     }
     return -1;
+}
+
+// The next matching item, -1 when there is none left.
+FGENV_INLINE int32_t next(BoxSearch& search) {
+    const int32_t entry = next_of_level(search, 0);
+    return entry < 0 ? -1 : search.boxes.items[entry];
 }
 
 }  // namespace fgenv

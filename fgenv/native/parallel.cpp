@@ -15,7 +15,6 @@ namespace nb = nanobind;
 namespace fgenv {
 namespace {
 
-constexpr int64_t chunk = 64;  // queries: microseconds to milliseconds of work between two looks
 constexpr auto signal_interval = std::chrono::milliseconds(20);
 
 bool signal_raised() {
@@ -39,7 +38,7 @@ int thread_count(int threads) {
     return cores ? static_cast<int>(cores) : 1;
 }
 
-void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int64_t)>& body) {
+void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int64_t)>& body, int64_t chunk) {
     const int64_t chunks = (n + chunk - 1) / chunk;
     const int workers = static_cast<int>(std::min<int64_t>(thread_count(threads), chunks)) - 1;
     std::atomic<int64_t> next{0};

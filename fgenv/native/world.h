@@ -110,9 +110,9 @@ public:
                                              const std::vector<Rigid>& to, const MotionSettings& settings) const;
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
-    // Pairs whose bounds meet, by rising ids; and whether such a pair collides.
-    std::vector<std::pair<BodyId, BodyId>> near_pairs(double margin) const;
-    bool pair_collides(BodyId a, BodyId b, double margin) const;
+    // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
+    int32_t blocks() const;
+    void contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const;
 
     const Body& body(BodyId id) const;  // throws where there is none
     const Body* find(BodyId id) const;
@@ -125,7 +125,6 @@ public:
     const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
     bool ignores(const Body& a, const Body& b) const;  // a pair that is never a collision
     int64_t tests() const { return tests_; }
-    void count_tests(int64_t n) const { tests_ += n; }
     size_t nbytes() const;
 
     mutable std::shared_mutex mutex;

@@ -125,28 +125,53 @@ WorldHit World::raycast(Vec3 o, Vec3 d, double max_distance, const std::vector<B
     return best;
 }
 
-std::vector<std::pair<BodyId, BodyId>> World::near_pairs(double margin) const {
-    std::vector<std::pair<BodyId, BodyId>> pairs;
-    std::vector<BodyId> near;
-    for (BodyId id = 0; id < end_id(); ++id) {
-        const Body* a = find(id);
-        if (!a) continue;
-        near.clear();
-        const Box box = widened(a->box, margin);
-        index_.overlapping(box, near);
-        std::sort(near.begin(), near.end());
-        for (BodyId other : near) {
-            if (other <= id) continue;
-            const Body& b = body(other);
-            if (overlap(box, b.box) && !ignores(*a, b)) pairs.emplace_back(id, other);
+// The bodies of one block of eight against those of this and later blocks: one search for eight.
+void World::contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const {
+    const PackedBoxes& packed = index_.packed();
+    const BoxBlock& own = packed.levels[0][block];
+    const float wide = rounded_up(margin);
+    Box around = empty_box();
+    for (int k = 0; k < 8; ++k)
+        if (own.lo[0][k] <= own.hi[0][k])
+            grow(around, Box{{own.lo[0][k], own.lo[1][k], own.lo[2][k]}, {own.hi[0][k], own.hi[1][k], own.hi[2][k]}});
+    if (!(around.lo.x <= around.hi.x)) return;
+    around = widened(around, wide);
+    int64_t n = 0;
+    const auto against = [&](int32_t other) {
+        const BoxBlock& theirs = packed.levels[0][other];
+        for (int k = 0; k < 8; ++k) {
+            I8 meet = I8{} == 0;
+            for (int i = 0; i < 3; ++i)
+                meet &= (load(theirs.lo[i]) <= splat(rounded_up(own.hi[i][k] + wide))) &
+                        (load(theirs.hi[i]) >= splat(rounded_down(own.lo[i][k] - wide)));
+            uint32_t m = bits(meet);
+            if (other == block) m &= ~((2u << k) - 1);
+            if (!m) continue;
+            const BodyId id = packed.items[8 * block + k];
+            if (id < 0) continue;
+            const Body& a = *bodies_[id];
+            for (; m; m &= m - 1) {
+                const Body& b = *bodies_[packed.items[8 * other + __builtin_ctz(m)]];
+                if (!overlap(widened(a.box, margin), b.box) || ignores(a, b)) continue;
+                ++n;
+                // The one added first is `a` of the query, whatever the index looks like.
+                const Body &first = a.id < b.id ? a : b, &second = a.id < b.id ? b : a;
+                if (hits(*first.shape, first.pose, *second.shape, second.pose, margin)) out.emplace_back(first.id, second.id);
+            }
         }
+    };
+    if (packed.levels.size() == 1) {
+        against(0);
+    } else {
+        BoxSearch search = search_boxes(packed, around.hi, around.lo);
+        for (int32_t other; (other = next_of_level(search, 1)) >= 0;)
+            if (other >= block) against(other);
     }
-    return pairs;
+    tests_.fetch_add(n, std::memory_order_relaxed);
 }
 
-bool World::pair_collides(BodyId a, BodyId b, double margin) const {
-    const Body &first = body(a), &second = body(b);
-    return hits(*first.shape, first.pose, *second.shape, second.pose, margin);
+int32_t World::blocks() const {
+    return index_.packed().levels.empty() ? 0 : static_cast<int32_t>(index_.packed().levels[0].size());
 }
 
 }  // namespace fgenv

@@ -76,7 +76,9 @@ double ask(const World& w, Random& random) {
     sum += w.check_motion(robot, from, to, later).contact.free_until;
     for (const MotionOutcome& o : w.check_motions({0, 4, 8}, {from, to, from}, {to, from, from}, now_)) sum += o.other;
     sum += w.raycast(origin(from), {1, 0, 0}, 10, {robot}).body;
-    for (const auto& [a, b] : w.near_pairs(0.1)) sum += w.pair_collides(a, b, 0.1);
+    std::vector<std::pair<BodyId, BodyId>> pairs;
+    for (int32_t block = 0; block < w.blocks(); ++block) w.contacts_of_block(block, 0.1, pairs);
+    sum += static_cast<double>(pairs.size());
     for (const auto& [id, path] : w.paths()) sum += path.bit + static_cast<double>(path.candidates.size());
     sum += static_cast<double>(w.body(robot).movers.size() + w.nbytes() % 2 + w.size() % 2);
     return sum;
