@@ -25,7 +25,7 @@ bool surfaces_meet(const Query& q) {
         const OrientedBox &a = boxes_a[pair.a], &b = boxes_b[pair.b];
         const int32_t ca = a.child, cb = b.child;
         if (ca < 0 && cb < 0) {
-            if (leaves_meet(q, ta.leaves[~ca], tb.leaves[~cb])) return true;
+            if (leaves_meet(q, ta.leaves[~ca], placed(a, a_in_b), tb.leaves[~cb], placed(b, b_in_a))) return true;
             continue;
         }
         if (ca < 0 && size(a) > size(b) && !reaches(ta.leaves[~ca], placed(b, b_in_a), b_in_a.slack)) continue;
@@ -78,8 +78,8 @@ bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, W
     if (surfaces_meet(query)) return true;
     Vec3 point;
     Witness::Side side = Witness::none;
-    if (contained(b, a, pose, query.frames.a_in_b, point)) side = Witness::b_inside_a;
-    else if (contained(a, b, inverse(pose), query.frames.b_in_a, point)) side = Witness::a_inside_b;
+    if (contained(b, a, pose, frame, query.frames.a_in_b, point)) side = Witness::b_inside_a;
+    else if (contained(a, b, inverse(pose), query.frames.a_in_b, frame, point)) side = Witness::a_inside_b;
     if (side == Witness::none) return false;
     if (witness) *witness = {side, -1, -1, -1, point};
     return true;
