@@ -98,9 +98,10 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], 
 }
 
 // The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
-// `box.c` is relative to the faces' origin; `slack` holds the errors of placing it.
+// Faces that are larger than the box are asked by their upright boxes as well. `box.c` is relative to the
+// faces' origin; `slack` holds the errors of placing it.
 FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, const Local& local,
-                               uint32_t among) {
+                               uint32_t among, bool larger) {
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
         const F8 x = splat(box.axis[i][0]), y = splat(box.axis[i][1]), z = splat(box.axis[i][2]);
@@ -113,12 +114,14 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, con
     }
     if (!(among &= bits(meet))) return 0;
     find_boxes(f);
-    for (int i = 0; i < 3; ++i) {
-        float h = slack;
-        for (int k = 0; k < 3; ++k) h += std::fabs(box.axis[k][i]) * box.h[k];
-        meet &= (f.lo[i] <= splat(box.c[i] + h)) & (f.hi[i] >= splat(box.c[i] - h));
+    if (larger) {
+        for (int i = 0; i < 3; ++i) {
+            float h = slack;
+            for (int k = 0; k < 3; ++k) h += std::fabs(box.axis[k][i]) * box.h[k];
+            meet &= (f.lo[i] <= splat(box.c[i] + h)) & (f.hi[i] >= splat(box.c[i] - h));
+        }
+        if (!(among &= bits(meet))) return 0;
     }
-    if (!(among &= bits(meet))) return 0;
     find_normals(f);
     F8 at_centre = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
     for (int i = 0; i < 3; ++i) {

@@ -9,6 +9,19 @@ int32_t segment(const Shape& shape, Vec3 p, Vec3 q);
 
 namespace {
 
+// By the spheres around the boxes.
+bool far_apart(const OrientedBox& a, const OrientedBox& b, const PairFrame& b_in_a) {
+    const F4 centre = turned(b_in_a.columns, b.centre, b_in_a.shift);
+    float squared = 0, of_a = 0, of_b = 0;
+    for (int i = 0; i < 3; ++i) {
+        squared += (centre[i] - a.centre[i]) * (centre[i] - a.centre[i]);
+        of_a += a.half[i] * a.half[i];
+        of_b += b.half[i] * b.half[i];
+    }
+    const float reach = std::sqrt(of_a) + std::sqrt(of_b) + 2 * b_in_a.slack;
+    return squared > 1.00001f * reach * reach;
+}
+
 bool surfaces_meet(const Query& q) {
     struct Pair {
         Ref a, b;
@@ -72,9 +85,8 @@ bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, W
     if (!lossless && (a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop))
         return chords_meet(a, b, pose, witness);
     const Query query{a, b, pose, pair_frames(a, b, pose), lossless ? 3 : 0, witness};
-    F8 centres;
     const PairFrame& frame = query.frames.b_in_a;
-    if (!meeting(a.tree.oriented[0], placed(b.tree.boxes[0], frame), frame.slack, centres)) return false;
+    if (far_apart(a.tree.boxes[0], b.tree.boxes[0], frame)) return false;
     if (surfaces_meet(query)) return true;
     Vec3 point;
     Witness::Side side = Witness::none;

@@ -24,9 +24,9 @@ static inline bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf&
         b[k] = apply(q.pose, q.b.mesh.vertices[lb.vertex[k][j]]);
     }
     int side_a[3], side_b[3];
-    for (int k = 0; k < 3; ++k) side_a[k] = orient3d(b[0], b[1], b[2], a[k]);
+    orient3d(three(b[0]), three(b[1]), three(b[2]), three(a[0], a[1], a[2]), side_a);
     if (side_a[0] == side_a[1] && side_a[1] == side_a[2] && side_a[0] != 0) return false;
-    for (int k = 0; k < 3; ++k) side_b[k] = orient3d(a[0], a[1], a[2], b[k]);
+    orient3d(three(a[0]), three(a[1]), three(a[2]), three(b[0], b[1], b[2]), side_b);
     if (side_b[0] == side_b[1] && side_b[1] == side_b[2] && side_b[0] != 0) return false;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
@@ -50,7 +50,8 @@ FGENV_INLINE uint32_t reaching(const Leaf& leaf, PlacedBox box, float slack, Fac
         box.c[i] -= leaf.centre[i];
         extent += std::fabs(box.c[i]) + 2 * box.h[i];
     }
-    return reaching(faces, box, slack, local_errors(2 * size(leaf) + extent), leaf.valid);
+    const bool larger = size(leaf) > box.h[0] + box.h[1] + box.h[2];
+    return reaching(faces, box, slack, local_errors(2 * size(leaf) + extent), leaf.valid, larger);
 }
 
 // `box_a`, `box_b`: the leaves' boxes, each in the other's frame.
