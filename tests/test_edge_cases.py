@@ -89,6 +89,17 @@ def test_one_shell_of_several_inside_is_enough() -> None:
     assert verdicts(cube, crumbs, at(-9.1)) == {True}
 
 
+@pytest.mark.parametrize(("pebbles", "cubes"), [(40, 3), (3, 40)])
+def test_the_one_part_inside_is_found_among_many(pebbles: int, cubes: int) -> None:
+    """Parts are looked up among solids or solids among parts, whichever are fewer."""
+    dust = shape(together(*(moved(ball(0.1), 3.0 * i, 0.0, 0.0) for i in range(pebbles))))
+    crates = shape(together(*(moved(box(1.0), 0.0, 3.0 * i, 0.0) for i in range(cubes))))
+    # the pebble at the end of its row, beside the crate at the end of its column or in it
+    x, y = 3.0 * (pebbles - 1), 3.0 * (cubes - 1)
+    assert verdicts(dust, crates, at(x + 1.0, -y, 0.0)) == {False}
+    assert verdicts(dust, crates, at(x + 0.3, -y, 0.1)) == {True}
+
+
 def test_a_cavity_is_free_and_the_wall_around_it_solid() -> None:
     hollow = shape(together(ball(1.0), inverted(ball(0.6))))
     assert hollow.watertight

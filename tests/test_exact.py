@@ -35,6 +35,7 @@ class Jury:
         parts = [self._place(count // 2, rng, decades) for decades in (NEAR, USUAL)]
         self.poses = np.concatenate(parts)
         self.verdicts = collide(self.a, self.pose_a, self.b, self.poses)
+        self.disputes: Counter[str] = Counter()  # what others said otherwise, by kind
 
     def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Array:
         def judge(poses: Array) -> NDArray[np.bool_]:
@@ -51,9 +52,17 @@ class Jury:
             ("coal", coal_verdicts(self.mesh_a, self.mesh_b, self.pose_a, self.poses)),
         ):
             for i in np.flatnonzero(verdicts != self.verdicts):
+                self.disputes[f"{name}, {self.kind(i)}"] += 1
                 if not self.is_right(i):
                     found.append(f"{name}: pose {i} {self.poses[i].tolist()}")
         return found
+
+    def kind(self, i: int) -> str:
+        """What pose i is: surfaces meet, in whole numbers, or they do not and one body is inside."""
+        if surfaces_meet(self.mesh_a, self.pose_a, self.mesh_b, self.poses[i]):
+            return "surfaces meet"
+        inside = one_is_inside(self.a, self.pose_a, self.b, self.poses[i])
+        return "one inside" if inside else "free"
 
     def is_right(self, i: int) -> bool:
         """Whether verdict i is shown to be right, by solid angles or in whole numbers."""
@@ -93,6 +102,7 @@ def test_no_verdict_in_a_million_is_wrong() -> None:
         jury = Jury(pair, 8500, seed=seed)
         tally.update(poses=len(jury.poses), hits=int(jury.verdicts.sum()), pairs=1)
         assert jury.wrong() + jury.missed_inside() == [], pair
+        tally.update(jury.disputes)
         print(pair.name, dict(tally), flush=True)  # seen with -s
     assert tally["poses"] >= 1_000_000
     assert tally["pairs"] >= 100

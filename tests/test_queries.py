@@ -136,6 +136,17 @@ def test_distances_near_and_far(gap: float) -> None:
     assert distance(cube, HERE, cube, at(1.0 + gap)) == pytest.approx(gap, rel=1e-3, abs=1e-15)
 
 
+@pytest.mark.parametrize("gap", [1e-13, 1e-11, 1e-9])
+def test_a_gap_as_small_as_rounding_has_a_distance(gap: float) -> None:
+    """Faces a kilometre long, turned together."""
+    rng = np.random.default_rng(4)
+    slab = Shape(*box(1e3, 1e3, 1.0))
+    for place in (somewhere(rng) for _ in range(40)):
+        aside = at(*rng.uniform(-300.0, 300.0, 2), 1.0 + gap)
+        found = distance(slab, place, slab, place @ aside)
+        assert found == pytest.approx(gap, abs=1e-9)
+
+
 # Margin
 
 

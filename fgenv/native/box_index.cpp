@@ -168,8 +168,8 @@ void BoxIndex::build() {
 }
 
 void BoxIndex::overlapping(const Box& box, std::vector<int32_t>& out) const {
-    BoxSearch search = search_boxes(packed_, box.hi, box.lo);
-    for (int32_t item; (item = next(search)) >= 0;) out.push_back(item);
+    BoxSearch search = search_boxes(packed_, box);
+    for (int32_t place; (place = next(search)) >= 0;) out.push_back(packed_.items[place]);
 }
 
 size_t BoxIndex::nbytes() const {

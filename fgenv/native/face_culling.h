@@ -97,6 +97,41 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], 
     return among & bits(abs(at_centre) <= radius);
 }
 
+// The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
+// Faces that are larger than the box are asked by their upright boxes as well. `box.c` is relative to the
+// faces' origin; `slack` holds the errors of placing it.
+FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, const Local& local,
+                               uint32_t among, bool larger) {
+    I8 meet = I8{} == 0;
+    for (int i = 0; i < 3; ++i) {
+        const F8 x = splat(box.axis[i][0]), y = splat(box.axis[i][1]), z = splat(box.axis[i][2]);
+        const float c = box.axis[i][0] * box.c[0] + box.axis[i][1] * box.c[1] + box.axis[i][2] * box.c[2];
+        const float h = box.h[i] + slack;
+        F8 along[3];
+        for (int k = 0; k < 3; ++k) along[k] = fused(f.v[k][2], z, fused(f.v[k][1], y, f.v[k][0] * x));
+        meet &= (min(min(along[0], along[1]), along[2]) <= splat(c + h)) &
+                (max(max(along[0], along[1]), along[2]) >= splat(c - h));
+    }
+    if (!(among &= bits(meet))) return 0;
+    find_boxes(f);
+    if (larger) {
+        for (int i = 0; i < 3; ++i) {
+            float h = slack;
+            for (int k = 0; k < 3; ++k) h += std::fabs(box.axis[k][i]) * box.h[k];
+            meet &= (f.lo[i] <= splat(box.c[i] + h)) & (f.hi[i] >= splat(box.c[i] - h));
+        }
+        if (!(among &= bits(meet))) return 0;
+    }
+    find_normals(f);
+    F8 at_centre = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
+    for (int i = 0; i < 3; ++i) {
+        const F8 along_axis = fused(f.n[2], splat(box.axis[i][2]), fused(f.n[1], splat(box.axis[i][1]), f.n[0] * splat(box.axis[i][0])));
+        at_centre = fused(f.n[i], splat(box.c[i]) - f.v[0][i], at_centre);
+        radius = fused(abs(f.n[i]), splat(slack), fused(abs(along_axis), splat(box.h[i]), radius));
+    }
+    return among & bits(abs(at_centre) <= radius);
+}
+
 // The box around some of eight faces.
 FGENV_INLINE void around(const FacesF& f, uint32_t among, float lo[3], float hi[3]) {
     for (int i = 0; i < 3; ++i) {
@@ -168,8 +203,9 @@ FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Lo
             meet &= (at + min(g_extent, zero) <= max(f_extent, zero) + both) &
                     (at + max(g_extent, zero) >= min(f_extent, zero) - both);
         }
+        if (!(among &= bits(meet))) break;
     }
-    return among & bits(meet);
+    return among;
 }
 
 }  // namespace fgenv

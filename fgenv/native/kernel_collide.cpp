@@ -9,6 +9,19 @@ int32_t segment(const Shape& shape, Vec3 p, Vec3 q);
 
 namespace {
 
+// By the spheres around the boxes.
+bool far_apart(const OrientedBox& a, const OrientedBox& b, const PairFrame& b_in_a) {
+    const F4 centre = turned(b_in_a.columns, b.centre, b_in_a.shift);
+    float squared = 0, of_a = 0, of_b = 0;
+    for (int i = 0; i < 3; ++i) {
+        squared += (centre[i] - a.centre[i]) * (centre[i] - a.centre[i]);
+        of_a += a.half[i] * a.half[i];
+        of_b += b.half[i] * b.half[i];
+    }
+    const float reach = std::sqrt(of_a) + std::sqrt(of_b) + 2 * b_in_a.slack;
+    return squared > 1.00001f * reach * reach;
+}
+
 bool surfaces_meet(const Query& q) {
     struct Pair {
         Ref a, b;
@@ -25,7 +38,7 @@ bool surfaces_meet(const Query& q) {
         const OrientedBox &a = boxes_a[pair.a], &b = boxes_b[pair.b];
         const int32_t ca = a.child, cb = b.child;
         if (ca < 0 && cb < 0) {
-            if (leaves_meet(q, ta.leaves[~ca], tb.leaves[~cb])) return true;
+            if (leaves_meet(q, ta.leaves[~ca], placed(a, a_in_b), tb.leaves[~cb], placed(b, b_in_a))) return true;
             continue;
         }
         if (ca < 0 && size(a) > size(b) && !reaches(ta.leaves[~ca], placed(b, b_in_a), b_in_a.slack)) continue;
@@ -72,14 +85,13 @@ bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, W
     if (!lossless && (a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop))
         return chords_meet(a, b, pose, witness);
     const Query query{a, b, pose, pair_frames(a, b, pose), lossless ? 3 : 0, witness};
-    F8 centres;
     const PairFrame& frame = query.frames.b_in_a;
-    if (!meeting(a.tree.oriented[0], placed(b.tree.boxes[0], frame), frame.slack, centres)) return false;
+    if (far_apart(a.tree.boxes[0], b.tree.boxes[0], frame)) return false;
     if (surfaces_meet(query)) return true;
     Vec3 point;
     Witness::Side side = Witness::none;
-    if (contained(b, a, pose, query.frames.a_in_b, point)) side = Witness::b_inside_a;
-    else if (contained(a, b, inverse(pose), query.frames.b_in_a, point)) side = Witness::a_inside_b;
+    if (contained(b, a, pose, frame, query.frames.a_in_b, point)) side = Witness::b_inside_a;
+    else if (contained(a, b, inverse(pose), query.frames.a_in_b, frame, point)) side = Witness::a_inside_b;
     if (side == Witness::none) return false;
     if (witness) *witness = {side, -1, -1, -1, point};
     return true;

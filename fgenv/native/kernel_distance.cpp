@@ -349,6 +349,57 @@ void search(Search& q) {
     }
 }
 
+FGENV_INLINE int least(F8 keys) {
+    int at = 0;
+    for (int k = 1; k < lanes; ++k)
+        if (keys[k] < keys[at]) at = k;
+    return at;
+}
+
+// A vertex near p: always on to the nearest box, none left for later.
+Vec3 near_vertex(const Shape& s, Vec3 p) {
+    const float at[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    int32_t child = s.tree.nodes[0].child[0];
+    while (child >= 0) {
+        const Node& n = s.tree.nodes[child];
+        F8 key = F8{};
+        for (int i = 0; i < 3; ++i) {
+            const F8 d = abs(load(n.centre[i]) - splat(at[i])), gap = max(d - load(n.half[i]), F8{});
+            key += gap * gap + splat(1e-2f) * d * d;  // the centres', where p is within several
+        }
+        child = n.child[least(load(n.half[0]) >= F8{} ? key : splat(HUGE_VALF))];
+    }
+    const Leaf& leaf = s.tree.leaves[~child];
+    F8 best = splat(HUGE_VALF);
+    I8 corner = I8{};
+    for (int k = 0; k < 3; ++k) {
+        F8 squared = F8{};
+        for (int i = 0; i < 3; ++i) {
+            const F8 d = load(leaf.v[k][i]) - splat(at[i] - leaf.centre[i]);
+            squared += d * d;
+        }
+        corner = squared < best ? I8{} + k : corner;
+        best = min(best, squared);
+    }
+    const int lane = least(best);
+    return s.mesh.vertices[leaf.vertex[corner[lane]][lane]];
+}
+
+// A first bound and a first way: to and fro between vertices near each other.
+void approach(Search& q) {
+    const Rigid a_in_b = inverse(q.pose);
+    const BoxF from = box_of(q.a.tree, 0);
+    Vec3 on_a{from.c[0], from.c[1], from.c[2]};
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 on_b = apply(q.pose, near_vertex(q.b, apply(a_in_b, on_a)));
+        on_a = near_vertex(q.a, on_b);
+        const double squared = dot(on_b - on_a, on_b - on_a) * 1.000001;
+        if (!(squared < q.best)) return;
+        q.best = squared;
+        turn(q, on_b - on_a);
+    }
+}
+
 }  // namespace
 
 Nearest nearest_faces(const Vec3 a[3], const Vec3 b[3]) {
@@ -361,7 +412,12 @@ Nearest nearest(const Shape& a, const Shape& b, const Rigid& pose, double bound,
     Search q{a, b, pose, pair_frames(a, b, pose), bound, any};
     const BoxF start = placed(box_of(b.tree, 0), q.frames.b_in_a), from = box_of(a.tree, 0);
     turn(q, {double(start.c[0]) - from.c[0], double(start.c[1]) - from.c[1], double(start.c[2]) - from.c[2]});
+    if (!any) approach(q);
     search(q);
+    if (q.face_a < 0 && q.best < bound) {  // where rounding is all there is, the first bound may be too low
+        q.best = bound;
+        search(q);
+    }
     Nearest out{HUGE_VAL, {0, 0, 0}, {0, 0, 0}, q.face_a, q.face_b};
     if (q.face_a < 0) return out;
     Corners on_b = corners(b, q.face_b);

@@ -24,9 +24,9 @@ static inline bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf&
         b[k] = apply(q.pose, q.b.mesh.vertices[lb.vertex[k][j]]);
     }
     int side_a[3], side_b[3];
-    for (int k = 0; k < 3; ++k) side_a[k] = orient3d(b[0], b[1], b[2], a[k]);
+    orient3d(three(b[0]), three(b[1]), three(b[2]), three(a[0], a[1], a[2]), side_a);
     if (side_a[0] == side_a[1] && side_a[1] == side_a[2] && side_a[0] != 0) return false;
-    for (int k = 0; k < 3; ++k) side_b[k] = orient3d(a[0], a[1], a[2], b[k]);
+    orient3d(three(a[0]), three(a[1]), three(a[2]), three(b[0], b[1], b[2]), side_b);
     if (side_b[0] == side_b[1] && side_b[1] == side_b[2] && side_b[0] != 0) return false;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
@@ -42,35 +42,31 @@ static inline bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf&
     return false;
 }
 
-static inline bool leaves_meet(const Query& q, const Leaf& la, const Leaf& lb) {
-    FacesF a, b;
-    float shift[3];
-    const PairFrame& frame = q.frames.b_in_a;
-    const Local local = load_leaves(la, lb, q.pose, frame, a, b, shift);
-
-    // The faces of the larger box go first, against the other's small box; then the faces of that
-    // against the box of what is left.
-    uint32_t in_a, in_b;
-    float lo[3], hi[3];
-    if (size(la) > size(lb)) {
-        for (int i = 0; i < 3; ++i) {
-            const float h = std::fabs(frame.r[i][0]) * lb.half[0] + std::fabs(frame.r[i][1]) * lb.half[1] +
-                            std::fabs(frame.r[i][2]) * lb.half[2];
-            lo[i] = shift[i] - h;
-            hi[i] = shift[i] + h;
-        }
-        if (!(in_a = reaching(a, lo, hi, local, la.valid))) return false;
-        around(a, in_a, lo, hi);
-        if (!(in_b = reaching(b, lo, hi, local, lb.valid))) return false;
-    } else {
-        for (int i = 0; i < 3; ++i) {
-            lo[i] = -la.half[i];
-            hi[i] = la.half[i];
-        }
-        if (!(in_b = reaching(b, lo, hi, local, lb.valid))) return false;
-        around(b, in_b, lo, hi);
-        if (!(in_a = reaching(a, lo, hi, local, la.valid))) return false;
+// Which faces of a leaf may meet a box; their vertices are left in `faces`, relative to the leaf.
+FGENV_INLINE uint32_t reaching(const Leaf& leaf, PlacedBox box, float slack, FacesF& faces) {
+    load_faces(leaf, faces);
+    float extent = 0;
+    for (int i = 0; i < 3; ++i) {
+        box.c[i] -= leaf.centre[i];
+        extent += std::fabs(box.c[i]) + 2 * box.h[i];
     }
+    const bool larger = size(leaf) > box.h[0] + box.h[1] + box.h[2];
+    return reaching(faces, box, slack, local_errors(2 * size(leaf) + extent), leaf.valid, larger);
+}
+
+// `box_a`, `box_b`: the leaves' boxes, each in the other's frame.
+static inline bool leaves_meet(const Query& q, const Leaf& la, const PlacedBox& box_a, const Leaf& lb,
+                               const PlacedBox& box_b) {
+    FacesF a, b;
+    const PairFrame& frame = q.frames.b_in_a;
+    uint32_t in_a = reaching(la, box_b, frame.slack, a);
+    if (!in_a) return false;
+    uint32_t in_b = reaching(lb, box_a, frame.slack, b);
+    if (!in_b) return false;
+    float shift[3];
+    const Local local = load_leaves(la, lb, q.pose, frame, a, b, shift);
+    find_boxes(b);
+    find_normals(b);
 
     // Which side leads must not depend on how the culls round where it decides what is found first.
     if (q.witness || __builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
@@ -93,17 +89,7 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const Leaf& lb) {
 // their planes tell more than the leaf's box.
 static inline bool reaches(const Leaf& leaf, const PlacedBox& box, float slack) {
     FacesF faces;
-    load_faces(leaf, faces);
-    float lo[3], hi[3], extent = 0;
-    for (int i = 0; i < 3; ++i) {
-        const float h = std::fabs(box.axis[0][i]) * box.h[0] + std::fabs(box.axis[1][i]) * box.h[1] +
-                        std::fabs(box.axis[2][i]) * box.h[2] + slack;
-        const float c = box.c[i] - leaf.centre[i];
-        lo[i] = c - h;
-        hi[i] = c + h;
-        extent += std::fabs(c) + h;
-    }
-    return reaching(faces, lo, hi, local_errors(2 * size(leaf) + extent), leaf.valid) != 0;
+    return reaching(leaf, box, slack, faces) != 0;
 }
 
 }  // namespace fgenv

@@ -68,6 +68,31 @@ Axes eigenvectors(double (&m)[3][3]) {
     return {x, cross(z, x), z};
 }
 
+// Along the normal and the longest side of the widest face: what fits a machined part.
+Axes widest_face(const std::vector<Vec3>& corners) {
+    size_t widest = 0;
+    double most = -1;
+    for (size_t i = 0; i < corners.size(); i += 3) {
+        const Vec3 n = cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]);
+        if (dot(n, n) <= most) continue;
+        most = dot(n, n);
+        widest = i;
+    }
+    const Vec3* p = &corners[widest];
+    Vec3 side = p[1] - p[0];
+    for (const Vec3 other : {p[2] - p[1], p[0] - p[2]})
+        if (dot(other, other) > dot(side, side)) side = other;
+    const Vec3 z = unit(cross(p[1] - p[0], p[2] - p[0])), x = unit(side);
+    return {x, cross(z, x), z};
+}
+
+bool orthonormal(const Axes& a) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j)
+            if (!(std::fabs(dot(a[i], a[j]) - (i == j)) < 1e-9)) return false;
+    return true;
+}
+
 struct Extent {
     double lo[3], hi[3];
 };
@@ -94,11 +119,15 @@ double half_area(const Extent& e) {
 OrientedBox fit_box(const std::vector<Vec3>& corners, const Box& upright) {
     double m[3][3];
     moments(corners, m);
-    Axes axes = eigenvectors(m);
-    Extent e = extent(corners, axes);
-    if (!(half_area(e) < 0.95 * half_area(upright))) {
-        axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-        e = {{upright.lo.x, upright.lo.y, upright.lo.z}, {upright.hi.x, upright.hi.y, upright.hi.z}};
+    Axes axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Extent e = {{upright.lo.x, upright.lo.y, upright.lo.z}, {upright.hi.x, upright.hi.y, upright.hi.z}};
+    double least = 0.95 * half_area(e);  // a box that is turned must be worth it
+    for (const Axes& turned : {eigenvectors(m), widest_face(corners)}) {
+        const Extent other = extent(corners, turned);
+        if (!(half_area(other) < least) || !orthonormal(turned)) continue;
+        least = half_area(other);
+        axes = turned;
+        e = other;
     }
     OrientedBox box{};
     const Vec3 c = 0.5 * (e.lo[0] + e.hi[0]) * axes[0] + 0.5 * (e.lo[1] + e.hi[1]) * axes[1] +

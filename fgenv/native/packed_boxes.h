@@ -1,6 +1,5 @@
 // Boxes that never change, packed into a tree of eights without pointers: box 8 j + k of a level is in
-// lane k of block j above it. Answers: which boxes have lo <= s and hi >= t on every axis? With
-// s = q.hi, t = q.lo those that meet q; with s = q.lo, t = q.hi those that hold q.
+// lane k of block j above it. Answers: which of them meet a given box?
 #pragma once
 
 #include <vector>
@@ -24,10 +23,10 @@ static inline float rounded_up(double x) { return std::nextafterf(static_cast<fl
 
 PackedBoxes pack_boxes(const std::vector<Box>& boxes);
 
-// Walks the matches one by one.
+// Walks the boxes that meet lo to hi one by one.
 struct BoxSearch {
     const PackedBoxes& boxes;
-    float s[3], t[3];
+    float lo[3], hi[3];
     struct Entry {
         int32_t level, block;
         uint32_t lanes;
@@ -36,28 +35,28 @@ struct BoxSearch {
     int depth;
 };
 
-FGENV_INLINE uint32_t matching(const BoxSearch& search, int level, int block) {
+FGENV_INLINE uint32_t meeting(const BoxSearch& search, int level, int block) {
     const BoxBlock& b = search.boxes.levels[level][block];
-    I8 match = I8{} == 0;
+    I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i)
-        match &= (load(b.lo[i]) <= splat(search.s[i])) & (load(b.hi[i]) >= splat(search.t[i]));
-    return bits(match);
+        meet &= (load(b.lo[i]) <= splat(search.hi[i])) & (load(b.hi[i]) >= splat(search.lo[i]));
+    return bits(meet);
 }
 
-// s rounded up and t down, so that no match is lost to rounding.
-FGENV_INLINE BoxSearch search_boxes(const PackedBoxes& boxes, Vec3 s, Vec3 t) {
-    BoxSearch search{boxes, {}, {}, {}, 0};
-    for (int i = 0; i < 3; ++i) {
-        const float high = static_cast<float>(coordinate(s, i)), low = static_cast<float>(coordinate(t, i));
-        search.s[i] = high + std::fabs(high) * 0x1p-23f;
-        search.t[i] = low - std::fabs(low) * 0x1p-23f;
-    }
+FGENV_INLINE BoxSearch search_boxes(const PackedBoxes& boxes, const float lo[3], const float hi[3]) {
+    BoxSearch search{boxes, {lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}, {}, 0};
     const int top = static_cast<int>(boxes.levels.size()) - 1;
-    if (top >= 0) search.stack[search.depth++] = {top, 0, matching(search, top, 0)};
+    if (top >= 0) search.stack[search.depth++] = {top, 0, meeting(search, top, 0)};
     return search;
 }
 
-// The next matching entry of a level (an item for 0, a block of level - 1 else), -1 when there is none.
+FGENV_INLINE BoxSearch search_boxes(const PackedBoxes& boxes, const Box& box) {
+    const float lo[3] = {rounded_down(box.lo.x), rounded_down(box.lo.y), rounded_down(box.lo.z)};
+    const float hi[3] = {rounded_up(box.hi.x), rounded_up(box.hi.y), rounded_up(box.hi.z)};
+    return search_boxes(boxes, lo, hi);
+}
+
+// The next place on a level that meets (a box for 0, a block of level - 1 else), -1 when there is none.
 FGENV_INLINE int32_t next_of_level(BoxSearch& search, int level_wanted) {
     while (search.depth) {
         BoxSearch::Entry& e = search.stack[search.depth - 1];
@@ -69,15 +68,12 @@ FGENV_INLINE int32_t next_of_level(BoxSearch& search, int level_wanted) {
         e.lanes &= e.lanes - 1;
         if (e.level == level_wanted) return child;
         const int32_t level = e.level - 1;
-        search.stack[search.depth++] = {level, child, matching(search, level, child)};
+        search.stack[search.depth++] = {level, child, meeting(search, level, child)};
     }
     return -1;
 }
 
-// The next matching item, -1 when there is none left.
-FGENV_INLINE int32_t next(BoxSearch& search) {
-    const int32_t entry = next_of_level(search, 0);
-    return entry < 0 ? -1 : search.boxes.items[entry];
-}
+// The place of the next box on the lowest level, -1 when there is none left.
+FGENV_INLINE int32_t next(BoxSearch& search) { return next_of_level(search, 0); }
 
 }  // namespace fgenv

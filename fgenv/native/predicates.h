@@ -23,6 +23,8 @@ static inline int orient2d(const double a[2], const double b[2], const double c[
     return orient2d_exact(a, b, c);
 }
 
+constexpr double orient3d_bound = 7.771561172376103e-16;  // of the permanent
+
 // > 0 if d lies below the plane of a, b, c, where above is the side from which they turn
 // counter-clockwise: the sign of det(a - d, b - d, c - d).
 static inline int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
@@ -34,7 +36,7 @@ static inline int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const double permanent = (std::fabs(bc) + std::fabs(cb)) * std::fabs(ad.z) +
                              (std::fabs(ca) + std::fabs(ac)) * std::fabs(bd.z) +
                              (std::fabs(ab) + std::fabs(ba)) * std::fabs(cd.z);
-    const double bound = 7.771561172376103e-16 * permanent;
+    const double bound = orient3d_bound * permanent;
     if (det > bound) return 1;
     if (det < -bound) return -1;
     return orient3d_exact(a, b, c, d);

@@ -132,14 +132,16 @@ public:
     TreeBuilder(const Mesh& mesh, const FeatureGraph& graph, Tree& tree)
         : mesh_(mesh), tree_(tree), items_(mesh.faces.size()), edge_bits_(mesh.faces.size(), 0) {
         for (size_t f = 0; f < items_.size(); ++f) items_[f].face = static_cast<int32_t>(f);
-        // Each kept edge is tested with one of its faces: whatever it crosses, that face touches too.
+        // A kept edge is tested with either of its faces: the first pair of faces that meet decides.
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
             const int wanted = graph.kept[i] | graph.lossless[i] << 3;
-            if (!wanted) continue;
             const Edge& e = mesh.edges[i];
-            const Face& f = mesh.faces[e.face[0]];
-            const int k = f[0] != e.a && f[0] != e.b ? 1 : f[1] != e.a && f[1] != e.b ? 2 : 0;
-            edge_bits_[e.face[0]] |= static_cast<uint8_t>(wanted << k);
+            for (int32_t face : e.face) {
+                if (!wanted || face < 0) continue;
+                const Face& f = mesh.faces[face];
+                const int k = f[0] != e.a && f[0] != e.b ? 1 : f[1] != e.a && f[1] != e.b ? 2 : 0;
+                edge_bits_[face] |= static_cast<uint8_t>(wanted << k);
+            }
         }
     }
 

@@ -163,7 +163,7 @@ void World::contacts_of_block(int32_t block, double margin, std::vector<std::pai
     if (packed.levels.size() == 1) {
         against(0);
     } else {
-        BoxSearch search = search_boxes(packed, around.hi, around.lo);
+        BoxSearch search = search_boxes(packed, around);
         for (int32_t other; (other = next_of_level(search, 1)) >= 0;)
             if (other >= block) against(other);
     }

@@ -61,7 +61,7 @@ def feature_graph(experiment: Experiment) -> Image.Image:
         right.segments(edges[exact.kinds == kind], color, width=1.1)
     text = (
         f"(a) as published: one cycle of {len(cycle.edges)} chords.  (b) exact: "
-        f"{len(exact.edges)} edges that are not flat, ridges blue, valleys red"
+        f"{len(exact.edges)} edges that are not flat, ridges blue, valleys orange"
     )
     return captioned(beside([left.image(), right.image()]), "Figure 4. Feature graph", text)
 
