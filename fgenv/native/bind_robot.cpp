@@ -168,10 +168,11 @@ nb::object distance_all(const Robot& robot, nb::handle q0, nb::handle q1, nb::ha
 }
 
 nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handle q1, nb::handle t, nb::handle offset,
-                      nb::handle threads) {
+                      double begin, double rate, nb::handle threads) {
     const Way way = way_of(robot, q0, q1, t);
     const int n_threads = threads_of(threads);
     if (link < 0 || link >= robot.n_links()) fail("link: no link " + std::to_string(link));
+    if (!(begin >= 0 && rate >= 0 && begin + rate <= 1)) fail("begin, rate: wanted a part of the motion");
     Poses held;
     if (!offset.is_none()) held = poses(offset, "offset");
     if (!held.single()) fail("offset: " + to_string(held.dims) + " poses, wanted one, shape (4, 4)");
@@ -183,7 +184,7 @@ nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handl
     const auto put = [](Vec3 p, double* row) { row[0] = p.x, row[1] = p.y, row[2] = p.z; };
     parallel_for(way.shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
-            const LinkMotion motion(robot, link, way.q0(i), way.q1(i), on_link);
+            const LinkMotion motion = LinkMotion(robot, link, way.q0(i), way.q1(i), on_link).retimed(begin, rate);
             const Velocity velocity = motion.velocity(way.fraction(i));
             write_pose(motion.pose(way.fraction(i)), pose.data + 16 * i);
             put(velocity.v, v.data + 3 * i);
@@ -218,7 +219,7 @@ void bind_robot(nb::module_& m) {
         .def("interpolate", &interpolate_all, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "threads"_a.none())
         .def("distance", &distance_all, "q0"_a.none(), "q1"_a.none(), "weights"_a)
         .def("link_motion", &link_motion, "link"_a, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "offset"_a.none(),
-             "threads"_a.none());
+             "begin"_a, "rate"_a, "threads"_a.none());
     m.def("sin_cos", &sin_cos_all, "angles"_a.none(), "Sine and cosine, the same bits on every machine.");
     m.def("arc_tangent", &arc_tangent, "y"_a, "x"_a, "Angle of the point (x, y), the same bits on every machine.");
 }

@@ -86,7 +86,8 @@ double distance(const Robot& robot, const double* weights, const double* q0, con
     const int32_t place = base == JointKind::planar ? 2 : base == JointKind::free ? 3 : 0;
     double squared = 0, sum = 0;
     for (int32_t i = 0; i < robot.nq(); ++i) {
-        const double moved = weights[i] * change(robot.coordinates[i], q0[i], q1[i]);
+        const double by = change(robot.coordinates[i], q0[i], q1[i]);
+        const double moved = by == 0 ? 0 : weights[i] * by;  // a weight may be infinite
         if (i < place) squared += moved * moved;
         else if (robot.coordinates[i] != Coordinate::rotation) sum += std::fabs(moved);
         else if (i == place)

@@ -1,9 +1,9 @@
 """Robots: kinematic trees with shapes on their links, and drives.
 
-    >>> from fgenv.robots import DifferentialDrive, Robot
-    >>> cart = Robot.from_mesh("cart.stl", drive=DifferentialDrive(speed=1.0, turn_rate=1.5))
-    >>> arm = Robot.from_urdf("panda.urdf")       # pip install 'fgenv[urdf]'
-    >>> arm.forward(arm.rest, "panda_hand")       # (4, 4)
+>>> from fgenv.robots import DifferentialDrive, Robot
+>>> cart = Robot.from_mesh("cart.stl", drive=DifferentialDrive(speed=1.0, turn_rate=1.5))
+>>> arm = Robot.from_urdf("panda.urdf")       # pip install 'fgenv[urdf]'
+>>> arm.forward(arm.rest, "panda_hand")       # (4, 4)
 """
 
 from .drives import (

@@ -1,7 +1,7 @@
 """Drives: what a robot's action means, and how fast it may be.
 
-A drive says what each number of an action is, in which unit, between which limits. It fits robots of
-one kind of base; `check` tells. Moving by it is the simulator's business.
+A drive says what each number of an action is, in which unit, between which limits. It fits robots
+of one kind of base; `check` tells. Moving by it is the simulator's business.
 """
 
 from __future__ import annotations

@@ -30,8 +30,13 @@ def as_pose(value: ArrayLike | None, name: str) -> Pose:
     rigid = (pose[3] == (0, 0, 0, 1)).all() and np.linalg.det(turn) > 0
     if not rigid or np.abs(turn.T @ turn - np.eye(3)).max() > 1e-5:
         raise ValueError(f"{name}: not a rigid motion, wanted rotation and translation alone")
-    pose.setflags(write=False)
-    return pose
+    return locked(pose)
+
+
+def locked(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The array, read-only from here on."""
+    array.setflags(write=False)
+    return array
 
 
 def name_of(value: object, what: str) -> str:
@@ -147,10 +152,9 @@ class Joint:
         axis = np.array(self.axis, dtype=np.float64)
         if axis.shape != (3,) or not np.isfinite(axis).all() or (self.moves and not axis.any()):
             raise ValueError(f"{label}: axis {self.axis}, wanted three numbers, not all 0")
-        axis.setflags(write=False)
-        object.__setattr__(self, "axis", axis)
-        for what, low in (("lower", -math.inf), ("upper", -math.inf)):
-            number_of(getattr(self, what), f"{label}: {what}", low)
+        object.__setattr__(self, "axis", locked(axis))
+        for what in ("lower", "upper"):
+            number_of(getattr(self, what), f"{label}: {what}")
         for what in ("velocity", "acceleration"):
             number_of(getattr(self, what), f"{label}: {what}", 0.0)
         if self.lower > self.upper:

@@ -29,7 +29,7 @@ def box(size: ArrayLike, name: str = "box") -> Shape:
     """A box with edges (3,) along the axes, its middle at the origin."""
     edges = np.array(size, dtype=np.float64)
     if edges.shape != (3,) or not (np.isfinite(edges).all() and (edges > 0).all()):
-        raise ValueError(f"{name}: size {size}, wanted three lengths over 0")
+        raise ValueError(f"{name}: size {size!r}, wanted three lengths over 0")
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
@@ -104,7 +104,14 @@ def _on_sphere(points: Vertices) -> Vertices:
 
 def _icosahedron() -> tuple[Vertices, Faces]:
     g = (1 + math.sqrt(5)) / 2
-    corners = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
+    corners: list[tuple[float, ...]] = [
+        (-1, g, 0),
+        (1, g, 0),
+        (-1, -g, 0),
+        (1, -g, 0),
+        (0, -1, g),
+        (0, 1, g),
+    ]
     corners += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
     faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4)]
     faces += [(11, 10, 2), (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8)]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,23 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
-from fgenv.collision import Shape, collide
+from fgenv.collision import Shape
 
+from . import limits, touching
 from .drives import Drive
-from .parts import JOINT_KINDS, Joint, Link, LinkShape, Pose, as_pose, name_of, number_of
+from .parts import JOINT_KINDS, Joint, Link, LinkShape, Pose, as_pose, locked, name_of, number_of
 from .primitives import ERROR
 from .tree import in_order, leader
 
 Floats = NDArray[np.float64]
 
-BASES = {
-    "fixed": (),
-    "planar": ("x", "y", "yaw"),
-    "free": ("x", "y", "z", "qx", "qy", "qz", "qw"),
-}
-BASE_DOF = {"fixed": 0, "planar": 3, "free": 6}
 KINDS = {kind: code for code, kind in enumerate((*JOINT_KINDS, "planar", "free"))}
-UNIT = 1e-6  # how far a quaternion's length may be from 1 to be valid
 
 
 class Part(NamedTuple):
@@ -88,14 +80,14 @@ class Robot:
     def __post_init__(self) -> None:
         put = object.__setattr__
         name_of(self.name, "name")
-        if self.base not in BASES:
-            raise ValueError(f"base: {self.base!r}, wanted one of {', '.join(BASES)}")
+        if self.base not in limits.BASES:
+            raise ValueError(f"base: {self.base!r}, wanted one of {', '.join(limits.BASES)}")
         put(self, "joints", tuple(self.joints))
         put(self, "links", in_order(tuple(self.links), self.joints))
         put(self, "mount", as_pose(self.mount, "mount"))
-        put(self, "workspace", _workspace(self.workspace, self.base))
-        put(self, "allowed", self._with_neighbours(self.allowed))
-        self._core  # noqa: B018: what is wrong with the joints is told here
+        put(self, "workspace", limits.checked_workspace(self.workspace, self.base))
+        put(self, "allowed", touching.allowed(self, self.allowed))
+        _ = self._core  # what is wrong with the joints is told here
         if self.drive is not None:
             if not isinstance(self.drive, Drive):
                 raise TypeError(f"drive: {type(self.drive).__name__}, wanted a Drive")
@@ -149,8 +141,9 @@ class Robot:
     ) -> Robot:
         """A robot from a URDF file, which yourdfpy reads: `pip install 'fgenv[urdf]'`.
 
-        Every shape of a link stays one of its own. A negative mesh scale mirrors. A revolute or
-        prismatic joint without lower or upper has none; a speed limit of 0 is none.
+        Every shape of a link stays one of its own. A negative mesh scale mirrors. The unit
+        of a COLLADA file counts, its up axis does not, as in RViz. A revolute or prismatic joint
+        without lower or upper has none; a speed limit of 0 is none.
 
         Args:
             path: the file.
@@ -175,9 +168,7 @@ class Robot:
             raise ValueError("scale: 0, wanted a factor over 0")
         folders = [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
         options = {"method": method, "tolerance": tolerance}
-        reader = Reader(
-            Path(path), [Path(f) for f in folders], collision, scale, error, options
-        )
+        reader = Reader(Path(path), [Path(f) for f in folders], collision, scale, error, options)
         label, links, joints = reader.read()
         allowed = () if srdf is None else tuple(allowed_in(srdf, links))
         return cls(
@@ -205,7 +196,7 @@ class Robot:
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the numbers of a configuration: the base's, then the joints'."""
-        return BASES[self.base] + tuple(joint.name for joint in self.moving_joints)
+        return limits.BASES[self.base] + tuple(joint.name for joint in self.moving_joints)
 
     @property
     def nq(self) -> int:
@@ -215,27 +206,27 @@ class Robot:
     @property
     def dof(self) -> int:
         """Degrees of freedom: an orientation is three, and four numbers."""
-        return BASE_DOF[self.base] + len(self.moving_joints)
+        return limits.BASE_DOF[self.base] + len(self.moving_joints)
 
     @cached_property
     def lower(self) -> Floats:
         """Lowest configuration, (nq,); angles -pi, quaternions -1."""
-        return self._bounds(0)
+        return limits.bounds(self, 0)
 
     @cached_property
     def upper(self) -> Floats:
         """Highest configuration, (nq,); angles pi, quaternions 1."""
-        return self._bounds(1)
+        return limits.bounds(self, 1)
 
     @cached_property
     def velocity(self) -> Floats:
         """Speed limits, (dof,), per second; infinite for the base, whose drive knows them."""
-        return self._rates("velocity")
+        return limits.rates(self, "velocity")
 
     @cached_property
     def acceleration(self) -> Floats:
         """Limits of acceleration, (dof,), per second squared; infinite for the base."""
-        return self._rates("acceleration")
+        return limits.rates(self, "acceleration")
 
     @cached_property
     def rest(self) -> Floats:
@@ -243,7 +234,7 @@ class Robot:
         q = np.clip(np.zeros(self.nq), self.lower, self.upper)
         if self.base == "free":
             q[6] = 1.0
-        return _locked(q)
+        return locked(q)
 
     @cached_property
     def weights(self) -> Floats:
@@ -252,64 +243,26 @@ class Robot:
         1 for positions; for an angle, the distance of the farthest point that it can move. All four
         of a quaternion are that of its angle.
         """
-        reach = self._reach
-        at = {link.name: i for i, link in enumerate(self.links)}
-        weights = {name: 1.0 for name in self.coordinates}
-        for name in ("yaw", "qx", "qy", "qz", "qw")[: 1 if self.base == "planar" else 5]:
-            if name in weights and self.base != "fixed":
-                weights[name] = reach[0]
-        moved = dict.fromkeys((j.name for j in self.moving_joints), 0.0)
-        for joint in self.joints:
-            if joint.moves:
-                own, multiplier, _ = self._leaders[joint.name]
-                far = 1.0 if joint.kind == "prismatic" else reach[at[joint.child]]
-                moved[own.name] += abs(multiplier) * far
-        return _locked(np.array([{**weights, **moved}[name] for name in self.coordinates]))
+        return limits.weights(self)
 
-    def random(
-        self, rng: np.random.Generator, size: int | tuple[int, ...] | None = None
-    ) -> Floats:
+    def random(self, rng: np.random.Generator, size: int | tuple[int, ...] | None = None) -> Floats:
         """Configurations (*size, nq), uniform between the limits; orientations uniform.
 
         Raises:
             ValueError: a coordinate has no limits.
         """
-        loose = [n for n, a, b in zip(self.coordinates, self.lower, self.upper) if b - a == np.inf]
-        if loose:
-            remedy = "workspace=" if loose[0] in ("x", "y", "z") else "limits of the joint"
-            raise ValueError(f"random: {loose[0]!r} of {self.name!r} has no limits, give {remedy}")
-        shape = () if size is None else (size,) if isinstance(size, int) else tuple(size)
-        q = rng.uniform(self.lower, self.upper, (*shape, self.nq))
-        if self.base == "free":
-            flat = q[..., 3:7].reshape(-1, 4)
-            while (out := (n := _squares(flat)) > 1).any() or (n < 1e-2).any():
-                again = out | (n < 1e-2)
-                flat[again] = rng.uniform(-1, 1, (int(again.sum()), 4))
-            q[..., 3:7] = (flat / np.sqrt(n)[:, None]).reshape(q[..., 3:7].shape)
-        return q
+        return limits.random(self, rng, size)
 
     def valid(self, q: ArrayLike) -> Any:
         """Whether configurations (..., nq) keep the limits: bool, or a bool array.
 
         An angle without limits may have any value; a quaternion has length 1, to 1e-6.
         """
-        x = self._configurations(q)
-        within = (x >= self.lower) & (x <= self.upper) | self._angles
-        if self.base == "free":
-            unit = np.abs(np.sqrt(_squares(x[..., 3:7])) - 1) <= UNIT
-            within[..., 3:7] = unit[..., None]
-        ok = within.all(axis=-1)
-        return bool(ok) if ok.ndim == 0 else ok
+        return limits.valid(self, q)
 
     def clip(self, q: ArrayLike) -> Floats:
         """The nearest configurations within the limits; angles come to [-pi, pi]."""
-        x = self._configurations(q).copy()
-        held = np.where(self._angles, x, np.clip(x, self.lower, self.upper))
-        if self.base == "free":
-            length = np.sqrt(_squares(x[..., 3:7]))
-            if not (length > 0).all():
-                raise ValueError("clip: a quaternion of length 0, wanted an orientation")
-            held[..., 3:7] = x[..., 3:7] / length[..., None]
+        held = limits.clip(self, q)
         return self._core.interpolate(held, held, 0.0, None)
 
     def interpolate(
@@ -380,7 +333,7 @@ class Robot:
             offset: (4, 4), of a body on the link: all is then said of the body.
         """
         i = self.link_index(link)
-        return LinkMotion(*self._core.link_motion(i, q0, q1, t, offset, threads))
+        return LinkMotion(*self._core.link_motion(i, q0, q1, t, offset, 0.0, 1.0, threads))
 
     # Shapes
 
@@ -396,14 +349,7 @@ class Robot:
     @cached_property
     def allowed_parts(self) -> tuple[tuple[int, int], ...]:
         """Pairs of places in `parts` whose contact is no collision, each pair rising."""
-        names = [self.links[part.link].name for part in self.parts]
-        known = set(self.allowed)
-        pairs = itertools.combinations(range(len(names)), 2)
-        return tuple(
-            (i, j)
-            for i, j in pairs
-            if names[i] == names[j] or _pair(names[i], names[j]) in known
-        )
+        return touching.allowed_parts(self)
 
     def contacts(self, q: ArrayLike | None = None) -> tuple[tuple[str, str], ...]:
         """Pairs of links, allowed ones apart, whose shapes touch at a configuration (nq,).
@@ -411,20 +357,7 @@ class Robot:
         At rest if left out. What always touches by design is told to the robot by
         `robot.allowing(robot.contacts())`.
         """
-        poses = self.forward(self.rest if q is None else q)
-        if poses.ndim != 3:
-            raise ValueError(f"q: shape {np.shape(q)}, wanted ({self.nq},), one configuration")
-        at = [poses[part.link] @ part.origin for part in self.parts]
-        skipped = set(self.allowed_parts)
-        found: dict[tuple[str, str], None] = {}
-        for i, j in itertools.combinations(range(len(at)), 2):
-            a, b = self.parts[i], self.parts[j]
-            pair = _pair(self.links[a.link].name, self.links[b.link].name)
-            if (i, j) in skipped or pair in found:
-                continue
-            if collide(a.shape, at[i], b.shape, at[j]):
-                found[pair] = None
-        return tuple(found)
+        return touching.contacts(self, self.rest if q is None else q)
 
     def allowing(self, pairs: Iterable[tuple[str, str]]) -> Robot:
         """The same robot, with more pairs of links whose contact is no collision."""
@@ -449,12 +382,12 @@ class Robot:
     # Inside
 
     @cached_property
-    def _carriers(self) -> dict[str, Joint]:
+    def carriers(self) -> dict[str, Joint]:
         """The joint that each link but the root hangs on."""
         return {joint.child: joint for joint in self.joints}
 
     @cached_property
-    def _leaders(self) -> dict[str, tuple[Joint, float, float]]:
+    def leaders(self) -> dict[str, tuple[Joint, float, float]]:
         """For each joint that moves: whose value it takes, times what, plus what."""
         by_name = {joint.name: joint for joint in self.joints}
         return {joint.name: leader(joint, by_name) for joint in self.joints if joint.moves}
@@ -467,130 +400,19 @@ class Robot:
             raise ValueError(f"joints: one bears the name of a coordinate of a {self.base} base")
         rows = [(KINDS[self.base], -1, self.mount, (0.0, 0.0, 1.0), 0, 1.0, 0.0)]
         for link in self.links[1:]:
-            joint = self._carriers[link.name]
+            joint = self.carriers[link.name]
             which, multiplier, offset = 0, 1.0, 0.0
             if joint.moves:
-                followed, multiplier, offset = self._leaders[joint.name]
+                followed, multiplier, offset = self.leaders[joint.name]
                 which = first[followed.name]
             code = KINDS[joint.kind]
             if joint.mimic is not None and joint.kind == "continuous":
                 code = KINDS["revolute"]  # what goes round is the joint that it follows
             axis = tuple(joint.axis.tolist())
-            rows.append(
-                (code, at[joint.parent], joint.origin, axis, which, multiplier, offset)
-            )
-        kinds, parents, origins, axes, firsts, multipliers, offsets = map(list, zip(*rows))
+            rows.append((code, at[joint.parent], joint.origin, axis, which, multiplier, offset))
+        kinds, parents, origins, axes, firsts, multipliers, offsets = map(
+            list, zip(*rows, strict=True)
+        )
         return _core.Robot(
             kinds, parents, origins, axes, firsts, multipliers, offsets, list(self.coordinates)
         )
-
-    @cached_property
-    def _angles(self) -> NDArray[np.bool_]:
-        """Which coordinates are angles without limits, (nq,)."""
-        endless = {joint.name for joint in self.moving_joints if joint.kind == "continuous"}
-        return np.array([n == "yaw" or n in endless for n in self.coordinates], dtype=bool)
-
-    @cached_property
-    def _reach(self) -> Floats:
-        """How far from each link's origin any point that it carries can get, metres."""
-        reach = np.array(
-            [max((_radius(placed) for placed in link.shapes), default=0.0) for link in self.links]
-        )
-        at = {link.name: i for i, link in enumerate(self.links)}
-        for link in reversed(self.links[1:]):
-            joint = self._carriers[link.name]
-            far = reach[at[link.name]] + _length(joint.origin[:3, 3])
-            if joint.kind == "prismatic":
-                own, multiplier, offset = self._leaders[joint.name]
-                ends = (multiplier * own.lower + offset, multiplier * own.upper + offset)
-                far += max(abs(ends[0]), abs(ends[1]))
-            reach[at[joint.parent]] = max(reach[at[joint.parent]], far)
-        return reach
-
-    def _bounds(self, side: int) -> Floats:
-        sign = (-1.0, 1.0)[side]
-        place = [sign * np.inf] * 3 if self.workspace is None else [*self.workspace[side]]
-        base = {"fixed": [], "planar": [*place[:2], sign * math.pi], "free": [*place, *[sign] * 4]}
-        ends = [
-            sign * math.pi if joint.kind == "continuous" else (joint.lower, joint.upper)[side]
-            for joint in self.moving_joints
-        ]
-        return _locked(np.array([*base[self.base], *ends], dtype=np.float64))
-
-    def _rates(self, what: str) -> Floats:
-        joints = [getattr(joint, what) for joint in self.moving_joints]
-        return _locked(np.array([np.inf] * BASE_DOF[self.base] + joints, dtype=np.float64))
-
-    def _configurations(self, q: ArrayLike) -> Floats:
-        x = np.asarray(q, dtype=np.float64)
-        if x.ndim == 0 or x.shape[-1] != self.nq:
-            raise ValueError(f"q: shape {x.shape}, wanted (..., {self.nq}), configurations")
-        return x
-
-    def _with_neighbours(
-        self, pairs: Iterable[Sequence[str]]
-    ) -> tuple[tuple[str, str], ...]:
-        """Given pairs, joined pairs and pairs that never move against each other, sorted."""
-        known = {link.name: link for link in self.links}
-        found: set[tuple[str, str]] = set()
-        for given in pairs:
-            if isinstance(given, str) or len(given) != 2:
-                raise ValueError(f"allowed: {given!r}, wanted pairs of names of links")
-            for name in given:
-                if name not in known:
-                    raise ValueError(f"allowed: {self.name!r} has no link {name!r}")
-            found.add(_pair(*given))
-        group = {self.root: self.root}  # of links that fixed joints make one
-        members: dict[str, list[str]] = {self.root: [self.root]}
-        for link in self.links[1:]:
-            joint = self._carriers[link.name]
-            own = link.name if joint.moves else group[joint.parent]
-            group[link.name] = own
-            members.setdefault(own, []).append(link.name)
-            parent = joint.parent  # or, where that has no shape, what carries it
-            while not known[parent].shapes and parent != self.root:
-                parent = self._carriers[parent].parent
-            found.add(_pair(parent, link.name))
-        for names in members.values():
-            found.update(_pair(a, b) for a, b in itertools.combinations(names, 2))
-        return tuple(sorted(found))
-
-
-def _pair(a: str, b: str) -> tuple[str, str]:
-    return (a, b) if a <= b else (b, a)
-
-
-def _locked(array: Floats) -> Floats:
-    array.setflags(write=False)
-    return array
-
-
-def _squares(rows: Floats) -> Floats:
-    """Sums of squares of rows of four, in one order on every machine."""
-    x, y, z, w = (rows[..., k] for k in range(4))
-    total: Floats = x * x + y * y + z * z + w * w
-    return total
-
-
-def _length(v: Floats) -> float:
-    x, y, z = v.tolist()
-    return math.sqrt(x * x + y * y + z * z)
-
-
-def _radius(placed: LinkShape) -> float:
-    """How far the shape gets from the link's origin, metres."""
-    p, m = placed.shape.vertices, placed.origin
-    x, y, z = (m[i, 0] * p[:, 0] + m[i, 1] * p[:, 1] + m[i, 2] * p[:, 2] + m[i, 3] for i in range(3))
-    return float(np.sqrt(np.max(x * x + y * y + z * z)))
-
-
-def _workspace(value: ArrayLike | None, base: str) -> Floats | None:
-    if value is None:
-        return None
-    wanted = {"fixed": None, "planar": (2, 2), "free": (2, 3)}[base]
-    box = np.array(value, dtype=np.float64)
-    if wanted is None:
-        raise ValueError("workspace: a fixed base has no position, leave it out")
-    if box.shape != wanted or not np.isfinite(box).all() or not (box[0] <= box[1]).all():
-        raise ValueError(f"workspace: {value}, wanted (low, high), shape {wanted}, finite metres")
-    return _locked(box)

@@ -1,11 +1,12 @@
 """Robots from URDF, read by yourdfpy; allowed collisions from SRDF.
 
-yourdfpy gives the tree, limits and geometry. Origins are taken from the text: their sines and cosines
-are the native core's, so that the same file is the same robot, bit for bit, on every machine.
+yourdfpy gives the tree, limits and geometry. Origins are taken from the text: their sines and
+cosines are the native core's, so that a file is the same robot, bit for bit, on every machine.
 """
 
 from __future__ import annotations
 
+import io
 import math
 import os
 from collections.abc import Iterable, Sequence
@@ -42,7 +43,7 @@ class Reader:
         """Name, links and joints, as the file has them."""
         document = parsed(self.path)
         check(document, self.path)
-        model = _loaded(self.path)
+        model = _loaded(document, self.path)
         texts = document.findall("link"), document.findall("joint")
         links = [self._link(link, text) for link, text in zip(model.links, texts[0], strict=True)]
         joints = [self._joint(j, text) for j, text in zip(model.joints, texts[1], strict=True)]
@@ -79,9 +80,8 @@ class Reader:
         origin = text.find("origin")
         if origin is None:
             return np.eye(4)
-        where = f"{self.path}: line {origin.sourceline}: origin"
-        pose = rotation(_numbers(origin.get("rpy", "0 0 0"), f"{where}: rpy"))
-        pose[:3, 3] = [self.scale * x for x in _numbers(origin.get("xyz", "0 0 0"), f"{where}: xyz")]
+        pose = rotation(_numbers(origin, "rpy", self.path))
+        pose[:3, 3] = [self.scale * x for x in _numbers(origin, "xyz", self.path)]
         return pose
 
     def _shape(self, geometry: Any, link: str) -> tuple[Shape, float]:
@@ -110,7 +110,7 @@ class Reader:
             vertices, faces = read_mesh_file(file)
             if np.prod(scale) < 0:
                 faces = faces[:, ::-1]
-            size = self.scale * scale
+            size = self.scale * scale * unit_of(file)
             self.meshes[key] = Shape(vertices * size, faces, name=file.stem, **self.shape_options)
         return self.meshes[key]
 
@@ -130,6 +130,19 @@ class Reader:
         raise FileNotFoundError(
             f"{self.path}: link {link!r}: mesh {name!r} is not there (looked at {looked}); {remedy}"
         )
+
+
+def unit_of(file: Path) -> float:
+    """Metres in a unit of a mesh file, where the file says that: COLLADA."""
+    if file.suffix.lower() == ".dae":
+        for _, element in ElementTree.iterparse(file):
+            if element.tag.endswith("}unit"):
+                return number_of(
+                    float(element.get("meter", "1")), f"{file}: unit", 0.0, finite=True
+                )
+            if element.tag.endswith("}asset"):
+                break
+    return 1.0
 
 
 def places(name: str, urdf: Path, package_dirs: Iterable[Path]) -> Iterable[Path]:
@@ -163,7 +176,7 @@ def rotation(rpy: Sequence[float]) -> Pose:
 
 
 def parsed(path: Path) -> Any:
-    """The root element; what is not well-formed but for unknown prefixes is an error."""
+    """The root element, without what has an unknown prefix; other faults in the XML are errors."""
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "does not exist"
         raise FileNotFoundError(f"path: {path} {what}, wanted a URDF file")
@@ -185,6 +198,11 @@ def parsed(path: Path) -> Any:
     if root is None or root.tag != "robot":
         came = "nothing" if root is None else f"<{root.tag}>"
         raise ValueError(f"path: {path} holds {came}, wanted a URDF file: <robot>")
+    for element in list(root.iter()):  # as xmlns declares one, a name is {uri}name
+        if isinstance(element.tag, str) and ":" in element.tag and "{" not in element.tag:
+            element.getparent().remove(element)
+        for key in [k for k in element.attrib if ":" in k and "{" not in k]:
+            del element.attrib[key]
     return root
 
 
@@ -197,11 +215,16 @@ def check(document: Any, path: Path) -> None:
     for element in (document, *document.findall("link"), *document.findall("joint")):
         if not element.get("name"):
             fail(element, f"<{element.tag}> has no name, wanted name=")
+    for origin in document.iter("origin"):
+        _numbers(origin, "rpy", path)
+        _numbers(origin, "xyz", path)
     for joint in document.findall("joint"):
         name, kind = joint.get("name"), joint.get("type")
         if kind in ("floating", "planar"):
             base = "free" if kind == "floating" else "planar"
-            fail(joint, f"joint {name!r} is {kind}: begin the file at its child, with base={base!r}")
+            fail(
+                joint, f"joint {name!r} is {kind}: begin the file at its child, with base={base!r}"
+            )
         if kind not in JOINT_KINDS:
             fail(joint, f"joint {name!r}: type {kind!r}, wanted one of {', '.join(JOINT_KINDS)}")
         for end in ("parent", "child"):
@@ -235,18 +258,23 @@ def allowed_in(srdf: str | Path, links: Iterable[Link]) -> list[tuple[str, str]]
     return [pair for pair in pairs if known.issuperset(pair)]
 
 
-def _loaded(path: Path) -> Any:
+def _loaded(document: Any, path: Path) -> Any:
     import yourdfpy
+    from lxml import etree
 
+    text = io.BytesIO(etree.tostring(document))
     try:
-        return yourdfpy.URDF.load(str(path), build_scene_graph=False, load_meshes=False).robot
+        return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy raises whatever its parts raise
         raise ValueError(f"path: {path} cannot be read ({error}), wanted a URDF file") from error
 
 
-def _numbers(text: str, where: str) -> list[float]:
+def _numbers(element: Any, what: str, path: Path) -> list[float]:
+    """Three numbers of an attribute; 0 where it is left out."""
+    text = element.get(what, "0 0 0")
     try:
-        x, y, z = (number_of(float(word), where, finite=True) for word in text.replace(",", " ").split())
+        x, y, z = (number_of(float(word), what, finite=True) for word in text.split())
     except ValueError:
+        where = f"{path}: line {element.sourceline}: origin: {what}"
         raise ValueError(f"{where} {text!r}, wanted three numbers") from None
     return [x, y, z]
