@@ -262,7 +262,7 @@ FAULTS = [
     (
         'type="revolute"',
         'type="floating"',
-        "is floating: begin the file at its child, with base='free'",
+        "is floating: begin at its child, with base='free'",
     ),
     ('<child link="upper"/>', "", "joint 'shoulder' has no child"),
     ('link="upper"/>', 'link="lower"/>', "joint 'shoulder': no link is named 'lower'"),

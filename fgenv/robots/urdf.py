@@ -148,8 +148,8 @@ def unit_of(file: Path) -> float:
 def places(name: str, urdf: Path, package_dirs: Iterable[Path]) -> Iterable[Path]:
     """Where the file that a URI or path names may be, the likeliest first.
 
-    `package://NAME/REST` is looked for in `package_dirs` (folders of packages, or a package itself),
-    in ROS_PACKAGE_PATH, and in the folders above the URDF file.
+    `package://NAME/REST` is looked for in `package_dirs` (folders of packages, or a package
+    itself), in ROS_PACKAGE_PATH, and in the folders above the URDF file.
     """
     above = urdf.resolve().parents
     if not name.startswith("package://"):
@@ -222,9 +222,7 @@ def check(document: Any, path: Path) -> None:
         name, kind = joint.get("name"), joint.get("type")
         if kind in ("floating", "planar"):
             base = "free" if kind == "floating" else "planar"
-            fail(
-                joint, f"joint {name!r} is {kind}: begin the file at its child, with base={base!r}"
-            )
+            fail(joint, f"joint {name!r} is {kind}: begin at its child, with base={base!r}")
         if kind not in JOINT_KINDS:
             fail(joint, f"joint {name!r}: type {kind!r}, wanted one of {', '.join(JOINT_KINDS)}")
         for end in ("parent", "child"):
