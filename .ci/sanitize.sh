@@ -9,7 +9,7 @@ sanitize() {
   stdcpp=$("$compiler" -print-file-name=libstdc++.so.6)
   [ -e "$asan" ] || { echo "$compiler has no libasan.so: use GCC (CXX=g++)" >&2; return 1; }
   python3 -m venv .venv-asan &&
-    .venv-asan/bin/pip install -q '.[bench,dev]' \
+    .venv-asan/bin/pip install -q '.[bench,dev,urdf]' \
       --config-settings=build-dir=build/sanitize \
       --config-settings=cmake.build-type=Debug \
       --config-settings=install.strip=false \
@@ -19,5 +19,5 @@ sanitize() {
       ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
       PYTHONMALLOC=malloc PYTHONSAFEPATH=1 \
       .venv-asan/bin/pytest -q -k 'not costs' \
-      tests/test_{bad_input,edge_cases,feature_graph,fuzz,queries}.py
+      tests/test_{bad_input,edge_cases,feature_graph,fuzz,link_motion,queries,robots}.py
 }

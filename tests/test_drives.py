@@ -91,7 +91,8 @@ ACTIONS: list[tuple[Drive, str, list[tuple[str, str, float, float]]]] = [
 @pytest.mark.parametrize(("drive", "base", "wanted"), ACTIONS, ids=lambda x: type(x).__name__)
 def test_an_action_and_its_limits(drive: Drive, base: str, wanted: list[Any]) -> None:
     robot = arm(base, drive=drive)
-    actions = drive.actions(robot)
+    actions = robot.actions
+    assert actions == drive.actions(robot)
     assert [action[:2] for action in actions] == [item[:2] for item in wanted]
     np.testing.assert_allclose(
         [(a.low, a.high) for a in actions], [item[2:] for item in wanted], rtol=1e-14

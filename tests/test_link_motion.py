@@ -181,4 +181,4 @@ def test_the_bound_is_not_far_from_what_real_arms_do(path: str) -> None:
     real_ones = (np.linalg.norm(x[0] - 2 * x[1] + x[2], axis=-1) / h**2).max(axis=0)
     told = robot.link_motion(last, q0, q1).acceleration_at_origin
     assert (real_ones <= told + 1e-7).all()
-    assert np.median(told / real_ones) < 12
+    assert np.median(told / real_ones) < 5

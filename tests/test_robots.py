@@ -86,6 +86,27 @@ def test_links_of_real_robots_are_where_pinocchio_has_them(path: str) -> None:
         np.testing.assert_allclose(robot.forward(q), other.forward(q), rtol=0, atol=1e-9)
 
 
+BROKEN = {"alex_psyonic_hands.urdf": "no such joint", "ur3.urdf": "has no name"}
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*no collision geometry:UserWarning")
+def test_every_file_of_example_robot_data_is_as_pinocchio_has_it() -> None:
+    root = urdf(".")
+    for file in sorted(root.rglob("*.urdf")):
+        path = str(file.relative_to(root))
+        if file.name in BROKEN:
+            with pytest.raises(ValueError, match=BROKEN[file.name]):
+                real(path)
+            continue
+        robot = real(path)
+        other = Pinocchio(path, robot)
+        for q in configurations(robot, 5):
+            np.testing.assert_allclose(
+                robot.forward(q), other.forward(q), rtol=0, atol=1e-9, err_msg=path
+            )
+
+
 @given(SEEDS)
 def test_a_tree_is_the_product_of_its_joints(seed: int) -> None:
     """Against the textbook's matrices, multiplied by NumPy."""
@@ -509,3 +530,50 @@ def test_empty_batches() -> None:
     none = Robot("post", [Link("body")])
     assert none.forward(np.zeros((5, 0))).shape == (5, 1, 4, 4)
     np.testing.assert_array_equal(none.forward([]), np.eye(4)[None])
+
+
+CORE: dict[str, Any] = {
+    "kinds": [0, 1],
+    "parents": [-1, 0],
+    "origins": np.tile(np.eye(4), (2, 1, 1)),
+    "axes": np.ones((2, 3)),
+    "firsts": [0, 0],
+    "multipliers": [1.0, 1.0],
+    "offsets": [0.0, 0.0],
+    "names": ["a"],
+}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"kinds": [0, 6]},
+        {"kinds": [0, -1]},
+        {"kinds": [0, 4]},
+        {"kinds": [5, 1]},
+        {"parents": [-1, 1]},
+        {"parents": [-1, -1]},
+        {"parents": [0, 0]},
+        {"parents": [-1]},
+        {"firsts": [0, 1]},
+        {"firsts": [0, -1]},
+        {"names": []},
+        {"multipliers": [1.0, math.nan]},
+        {"offsets": [1.0, 1e300]},
+        {"origins": np.zeros((2, 4, 4))},
+        {"axes": np.full((2, 3), math.nan)},
+        {
+            "kinds": [],
+            "parents": [],
+            "origins": np.zeros((0, 4, 4)),
+            "axes": np.zeros((0, 3)),
+            "firsts": [],
+            "multipliers": [],
+            "offsets": [],
+        },
+    ],
+)
+def test_the_native_model_stands_nonsense(change: dict[str, Any]) -> None:
+    _core.Robot(**CORE).forward([0.5], None)
+    with pytest.raises(ValueError, match=r"wanted|parents|firsts|singular|finite"):
+        _core.Robot(**{**CORE, **change})

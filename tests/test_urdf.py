@@ -306,6 +306,10 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
         Robot.from_urdf(tmp_path)
     with pytest.raises(ValueError, match="is a xacro file, expand it first"):
         Robot.from_urdf(written(tmp_path, "<robot/>", "arm.xacro"))
+    with pytest.raises(ValueError, match=r"Document is empty.*, wanted a URDF file"):
+        Robot.from_urdf(written(tmp_path, "", "empty.urdf"))
+    with pytest.raises(ValueError, match=r"wanted XML|wanted a URDF file"):
+        Robot.from_urdf(written(tmp_path, "solid x", "mesh.urdf"))
     with pytest.raises(FileNotFoundError, match=r"srdf: .* does not exist"):
         Robot.from_urdf(arm, srdf=tmp_path / "none.srdf")
     with pytest.raises(ValueError, match=r"srdf: .*, wanted XML"):
@@ -314,6 +318,14 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
         Robot.from_urdf(arm, scale=0)
     with pytest.raises(ValueError, match="cylinder: error: 0, wanted metres, over 0"):
         Robot.from_urdf(arm, error=0)
+
+
+def test_a_robot_that_could_meet_nothing_is_told_of(tmp_path: Path) -> None:
+    ball = "<visual><geometry><sphere radius='1'/></geometry></visual>"
+    path = written(tmp_path, f"<robot name='r'><link name='a'>{ball}</link></robot>")
+    with pytest.warns(UserWarning, match="no collision geometry: it meets nothing; give"):
+        assert not Robot.from_urdf(path).parts
+    assert len(Robot.from_urdf(path, collision=False).parts) == 1
 
 
 def test_unknown_prefixes_are_passed_by(tmp_path: Path, arm: Path) -> None:

@@ -4,6 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arguments.h"
+#include "configurations.h"
 #include "link_motion.h"
 #include "parallel.h"
 
@@ -14,7 +15,6 @@ using namespace nb::literals;
 
 constexpr double greatest_position = 1e12;  // metres, as of poses
 constexpr double greatest_joint = 1e5;      // radians that sin_cos takes; metres
-constexpr double unit_tolerance = 1e-3;     // of a quaternion's length
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
@@ -60,6 +60,8 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
         joint.axis = a[0] == 0 && a[1] == 0 && a[2] == 0 ? Vec3{0, 0, 1} : direction_of(a);
         joint.multiplier = multipliers[i];
         joint.offset = offsets[i];
+        if (!(std::fabs(joint.multiplier) <= greatest_joint && std::fabs(joint.offset) <= greatest_joint))
+            fail("multipliers, offsets: wanted numbers of at most " + number(greatest_joint));
         if (joint.kind == JointKind::continuous) robot.coordinates[joint.first] = Coordinate::angle;
         if (base_kind) {
             for (int k = 0; k < 3; ++k) robot.most[joint.first + k] = greatest_position;
@@ -71,37 +73,6 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
     }
     robot.names = std::move(names);
     new (self) Robot(std::move(robot));
-}
-
-struct Configurations {
-    Array<double> array;
-    Dims dims;  // without the last
-    int32_t nq;
-
-    const double* row(int64_t i) const { return array.data() + i * nq; }
-};
-
-Configurations configurations(const Robot& robot, nb::handle value, const char* name) {
-    Configurations out{doubles(value, name), {}, robot.nq()};
-    const Dims& dims = out.array.dims;
-    const std::string label = name;
-    if (dims.empty() || dims.back() != out.nq)
-        fail(label + ": shape " + to_string(dims) + ", wanted (..., " + std::to_string(out.nq) + "), configurations");
-    out.dims.assign(dims.begin(), dims.end() - 1);
-    const auto place = [&](size_t i) {
-        return label + index_text(dims, static_cast<int64_t>(i)) + " ('" + robot.names[i % out.nq] + "')";
-    };
-    for (size_t i = 0; i < out.array.view.size(); ++i) {
-        const double x = out.array.data()[i], most = robot.most[i % out.nq];
-        if (!std::isfinite(x)) fail(place(i) + " is " + number(x) + ", wanted a finite number");
-        if (std::fabs(x) > most) fail(place(i) + " is " + number(x) + ", wanted at most " + number(most));
-        if (robot.coordinates[i % out.nq] != Coordinate::rotation || i % out.nq != 3) continue;
-        const double* q = out.array.data() + i;
-        const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        if (!(std::fabs(length - 1) <= unit_tolerance))
-            fail(place(i) + ": a quaternion (x, y, z, w) of length " + number(length) + ", wanted length 1");
-    }
-    return out;
 }
 
 nb::object forward_all(const Robot& robot, nb::handle q, nb::handle threads) {

@@ -56,7 +56,7 @@ def rates(robot: Robot, what: str) -> Floats:
 
 
 def endless(robot: Robot) -> NDArray[np.bool_]:
-    """Which coordinates are angles without limits, (nq,)."""
+    """See `Robot.endless`."""
     names = {joint.name for joint in robot.moving_joints if joint.kind == "continuous"}
     if robot.base == "planar":
         names.add("yaw")
@@ -83,7 +83,7 @@ def random(robot: Robot, rng: np.random.Generator, size: int | tuple[int, ...] |
 def valid(robot: Robot, q: ArrayLike) -> Any:
     """See `Robot.valid`."""
     x = configurations(robot, q)
-    within = ((x >= robot.lower) & (x <= robot.upper)) | (endless(robot) & np.isfinite(x))
+    within = ((x >= robot.lower) & (x <= robot.upper)) | (robot.endless & np.isfinite(x))
     if robot.base == "free":
         unit = abs(np.sqrt(squares(x[..., 3:7])) - 1) <= UNIT
         within[..., 3:7] = unit[..., None]
@@ -96,7 +96,7 @@ def clip(robot: Robot, q: ArrayLike) -> Floats:
     x = configurations(robot, q)
     if np.isnan(x).any():
         raise ValueError("q: NaN, wanted numbers")
-    held = np.where(endless(robot), x, np.clip(x, robot.lower, robot.upper))
+    held = np.where(robot.endless, x, np.clip(x, robot.lower, robot.upper))
     if robot.base == "free":
         length = np.sqrt(squares(x[..., 3:7]))
         if not ((length > 0) & np.isfinite(length)).all():

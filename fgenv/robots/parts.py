@@ -101,7 +101,10 @@ class Link:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another one: multiplier * value of `joint` + offset."""
+    """A joint that follows another one: multiplier * value of `joint` + offset.
+
+    Limits are those of the joint that it follows; its own are not looked at.
+    """
 
     joint: str
     multiplier: float = 1.0
@@ -125,7 +128,8 @@ class Joint:
         parent, child: names of links.
         origin: (4, 4), the joint's frame in the parent's, metres; the child's at value 0.
         axis: (3,), of any length but 0, in the joint's frame.
-        lower, upper: limits of the value, radians or metres; infinite where there are none.
+        lower, upper: limits of the value, radians or metres; infinite where there are none. A
+            `continuous` joint goes round and has none.
         velocity, acceleration: limits of the rate, per second and per second squared.
         mimic: follows another joint and has no value of its own.
     """

@@ -15,7 +15,7 @@ from fgenv import _core
 from fgenv.collision import Shape
 
 from . import limits, touching
-from .drives import Drive
+from .drives import Action, Drive
 from .parts import JOINT_KINDS, Joint, Link, LinkShape, Pose, as_pose, locked, name_of, number_of
 from .primitives import ERROR
 from .tree import in_order, leader
@@ -219,6 +219,11 @@ class Robot:
         return limits.bounds(self, 1)
 
     @cached_property
+    def endless(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles that go round, (nq,): yaw, continuous joints."""
+        return limits.endless(self)
+
+    @cached_property
     def velocity(self) -> Floats:
         """Speed limits, (dof,), per second; infinite for the base, whose drive knows them."""
         return limits.rates(self, "velocity")
@@ -280,6 +285,11 @@ class Robot:
         """Metres that no point of the robot exceeds on the way from q0 to q1: `weights` used."""
         return self._core.distance(q0, q1, self.weights)
 
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What the numbers of an action are, as the drive says; none without a drive."""
+        return () if self.drive is None else self.drive.actions(self)
+
     # Poses
 
     @property
@@ -289,15 +299,13 @@ class Robot:
 
     def link_index(self, link: str | int) -> int:
         """Place of a link in `links`, by its name."""
-        if isinstance(link, (int, np.integer)) and not isinstance(link, bool):
+        if isinstance(link, (int, np.integer)):
             if not 0 <= link < len(self.links):
                 raise ValueError(f"link: {link}, {self.name!r} has {len(self.links)} links")
             return int(link)
-        for i, known in enumerate(self.links):
-            if known.name == link:
-                return i
-        names = ", ".join(known.name for known in self.links)
-        raise ValueError(f"link: {link!r}, {self.name!r} has {names}")
+        if link not in self._places:
+            raise ValueError(f"link: {link!r}, {self.name!r} has {', '.join(self._places)}")
+        return self._places[link]
 
     def forward(
         self, q: ArrayLike, link: str | int | None = None, *, threads: int | None = None
@@ -382,6 +390,10 @@ class Robot:
     # Inside
 
     @cached_property
+    def _places(self) -> dict[str, int]:
+        return {link.name: i for i, link in enumerate(self.links)}
+
+    @cached_property
     def carriers(self) -> dict[str, Joint]:
         """The joint that each link but the root hangs on."""
         return {joint.child: joint for joint in self.joints}
@@ -394,7 +406,6 @@ class Robot:
 
     @cached_property
     def _core(self) -> _core.Robot:
-        at = {link.name: i for i, link in enumerate(self.links)}
         first = {name: i for i, name in enumerate(self.coordinates)}
         if len(first) < self.nq:
             raise ValueError(f"joints: one bears the name of a coordinate of a {self.base} base")
@@ -409,7 +420,9 @@ class Robot:
             if joint.mimic is not None and joint.kind == "continuous":
                 code = KINDS["revolute"]  # what goes round is the joint that it follows
             axis = tuple(joint.axis.tolist())
-            rows.append((code, at[joint.parent], joint.origin, axis, which, multiplier, offset))
+            rows.append(
+                (code, self._places[joint.parent], joint.origin, axis, which, multiplier, offset)
+            )
         kinds, parents, origins, axes, firsts, multipliers, offsets = map(
             list, zip(*rows, strict=True)
         )

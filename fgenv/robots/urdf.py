@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -47,6 +48,10 @@ class Reader:
         texts = document.findall("link"), document.findall("joint")
         links = [self._link(link, text) for link, text in zip(model.links, texts[0], strict=True)]
         joints = [self._joint(j, text) for j, text in zip(model.joints, texts[1], strict=True)]
+        shaped = any(link.shapes for link in links)
+        if self.collision and not shaped and document.find("link/visual") is not None:
+            told = "has visual but no collision geometry: it meets nothing; give collision=False"
+            warnings.warn(f"{self.path} {told} to take the visual", UserWarning, stacklevel=3)
         return model.name, links, joints
 
     def _link(self, link: Any, text: Any) -> Link:
@@ -191,7 +196,10 @@ def parsed(path: Path) -> Any:
             name=error.name,
         ) from None
     parser = etree.XMLParser(recover=True, remove_comments=True, resolve_entities=False)
-    root = etree.parse(str(path), parser).getroot()
+    try:
+        root = etree.parse(str(path), parser).getroot()
+    except etree.XMLSyntaxError as error:  # nothing to recover
+        raise ValueError(f"path: {path}: {error.msg}, wanted a URDF file") from None
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
             raise ValueError(f"path: {path}: line {fault.line}: {fault.message}, wanted XML")
