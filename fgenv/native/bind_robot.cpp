@@ -15,6 +15,7 @@ using namespace nb::literals;
 
 constexpr double greatest_position = 1e12;  // metres, as of poses
 constexpr double greatest_joint = 1e5;      // radians that sin_cos takes; metres
+constexpr size_t most_links = 1000;         // motions go from link to link by calls
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
@@ -41,6 +42,7 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
     if (n == 0 || place.items.size() != n || axis.view.size() != 3 * n || parents.size() != n || firsts.size() != n ||
         multipliers.size() != n || offsets.size() != n)
         fail("joints: lists of different lengths, wanted one entry a joint, and a base");
+    if (n > most_links) fail("links: " + std::to_string(n) + ", wanted at most " + std::to_string(most_links));
     Robot robot;
     robot.coordinates.assign(names.size(), Coordinate::linear);
     robot.most.assign(names.size(), greatest_joint);
@@ -155,7 +157,8 @@ nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handl
     const auto put = [](Vec3 p, double* row) { row[0] = p.x, row[1] = p.y, row[2] = p.z; };
     parallel_for(way.shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
-            const LinkMotion motion = LinkMotion(robot, link, way.q0(i), way.q1(i), on_link).retimed(begin, rate);
+            const RobotMotion whole(robot, way.q0(i), way.q1(i));
+            const LinkMotion motion = LinkMotion(whole, link, on_link).retimed(begin, rate);
             const Velocity velocity = motion.velocity(way.fraction(i));
             write_pose(motion.pose(way.fraction(i)), pose.data + 16 * i);
             put(velocity.v, v.data + 3 * i);

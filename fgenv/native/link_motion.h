@@ -1,42 +1,63 @@
-// How a link moves while its robot goes straight from one configuration to another.
+// How a robot and its links move straight from one configuration to another.
 #pragma once
 
 #include <vector>
 
-#include "motion.h"
+#include "chain_bound.h"
 #include "robot.h"
 
 namespace fgenv {
 
-// pose(t) is, bit for bit, where `forward` puts the link at `interpolate(t)`; then the offset, if any.
+// All links' motions at once; a robot outlives its motions.
+class RobotMotion {
+public:
+    RobotMotion(const Robot& robot, const double* q0, const double* q1);
+
+    // At fraction s, in [0, 1]: bit for bit where `forward` puts the link at `interpolate(s)`.
+    Rigid pose(int32_t link, double s) const;
+    Rigid pose(int32_t link, double s, Velocity& velocity) const;
+    // Of a frame that is fixed in the link.
+    Acceleration acceleration(int32_t link, const Rigid& offset) const;
+    double turn(int32_t link) const { return links_[link].chain.turn(); }
+
+private:
+    struct Link {
+        bool still;        // in the world
+        Rigid at;          // where it is, if still; else where it is in the last link that a joint moves
+        ChainBound chain;  // of that link
+    };
+
+    bool moves(const Joint& joint) const;
+    double change_of(const Joint& joint, int32_t k) const;
+    Rigid carry(const Joint& joint, const Rigid& held, double s) const;
+    void bound(const Joint& joint, const Rigid& held, Link& link) const;
+
+    const Robot* robot_;
+    std::vector<double> q0_, q1_;
+    Slerp slerp_;  // of a free base
+    std::vector<Link> links_;
+};
+
+// The motion of one link, or of a body held at `offset` in its frame; the robot's motion outlives it.
 class LinkMotion final : public BodyMotion {
 public:
-    // The robot and the configurations outlive this.
-    LinkMotion(const Robot& robot, int32_t link, const double* q0, const double* q1, const Rigid* offset = nullptr);
+    LinkMotion(const RobotMotion& robot, int32_t link, const Rigid* offset = nullptr);
     // The same motion as seen by t' with t = begin + rate t'.
     LinkMotion retimed(double begin, double rate) const;
 
     Rigid pose(double t) const override;
     Velocity velocity(double t) const override;
     Acceleration acceleration() const override { return acceleration_; }
-    double turn() const override { return rate_ * turn_; }
+    double turn() const override { return rate_ * robot_->turn(link_); }
 
 private:
     double fraction(double t) const { return lesser(greater(begin_ + rate_ * t, 0), 1); }
-    bool moves(const Joint& joint) const;
-    Rigid frame(const Joint& joint, const Rigid& parent) const;
-    Rigid carry(const Joint& joint, const Rigid& parent, double s) const;
-    double change_of(const Joint& joint, int32_t k) const;
-    void bound();
 
-    const Robot* robot_;
-    const double *q0_, *q1_;
-    Slerp slerp_;                       // of a free base
-    Rigid start_;                       // of the link before the first joint that moves
-    std::vector<const Joint*> joints_;  // from the first one that moves to the link
+    const RobotMotion* robot_;
+    int32_t link_;
     Rigid offset_;
     bool has_offset_;
-    double begin_ = 0, rate_ = 1, turn_ = 0;
+    double begin_ = 0, rate_ = 1;
     Acceleration acceleration_;
 };
 
