@@ -97,6 +97,11 @@ def test_all_that_a_file_says(arm: Path) -> None:
     assert [len(link.shapes) for link in visual.links] == [1, 0, 0, 0]
 
 
+def test_a_tolerance_is_that_of_all_shapes(arm: Path) -> None:
+    robot = Robot.from_urdf(arm, tolerance=0.01)
+    assert {part.shape.method for part in robot.parts} == {"tolerance"}
+
+
 def test_same_bits_on_every_machine(tmp_path: Path) -> None:
     """Sines of origins and joints are not the C library's: the poses' bits, as first seen."""
     text = ARM.replace('<mesh filename="{mesh}" {scale}/>', '<box size="1 1 1"/>')
@@ -117,11 +122,9 @@ def test_scales_mirrors_and_a_factor_of_all_lengths(tmp_path: Path, arm: Path) -
     assert volume(mirrored) > 0
     twice = Robot.from_urdf(arm, scale=2.0)
     q = np.array([0.7, 0.15])
-    a, b = plain.forward(q), twice.forward(q * [1, 2])
-    wanted = a.copy()
+    wanted = plain.forward(q)
     wanted[:, :3, 3] *= 2
-    wanted[3] = b[3]  # the finger's offset is in metres of the file as well
-    np.testing.assert_allclose(b[:3], wanted[:3], atol=1e-15)
+    np.testing.assert_allclose(twice.forward(q * [1, 2]), wanted, atol=1e-15)
     np.testing.assert_array_equal(twice.upper, plain.upper * [1, 2])
     for part, other in zip(plain.parts, twice.parts, strict=True):
         extent, double = (np.ptp(p.shape.vertices, axis=0) for p in (part, other))
@@ -131,6 +134,21 @@ def test_scales_mirrors_and_a_factor_of_all_lengths(tmp_path: Path, arm: Path) -
 def volume(shape: Shape) -> float:
     a, b, c = (shape.vertices[shape.faces[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+@pytest.mark.parametrize("followed", ["shoulder", "slide"])
+def test_a_factor_of_lengths_is_one_for_mimics_as_well(followed: str, tmp_path: Path) -> None:
+    """A slide that follows a turn, and a turn that follows a slide."""
+    text = ARM.replace('<mesh filename="{mesh}" {scale}/>', '<box size="1 1 1"/>')
+    text = text.replace('mimic joint="slide"', f'mimic joint="{followed}"')
+    if followed == "slide":
+        text = text.replace('name="grip" type="prismatic"', 'name="grip" type="revolute"')
+    path = written(tmp_path, text)
+    q = np.array([0.7, 0.15])
+    wanted = Robot.from_urdf(path).forward(q)
+    wanted[:, :3, 3] *= 2
+    twice = Robot.from_urdf(path, scale=2.0)
+    np.testing.assert_allclose(twice.forward(q * [1, 2]), wanted, atol=1e-15)
 
 
 @pytest.mark.parametrize("place", ["beside", "above", "given", "ros", "absolute", "file"])

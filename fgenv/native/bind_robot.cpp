@@ -135,8 +135,10 @@ nb::object distance_all(const Robot& robot, nb::handle q0, nb::handle q1, nb::ha
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
     if (shape.dims.empty()) return nb::cast(distance(robot, w.data(), from.row(0), to.row(0)));
     Output<double> out = make_output<double>(shape.dims);
-    for (int64_t i = 0; i < shape.size; ++i)
-        out.data[i] = distance(robot, w.data(), from.row(shape.offset(0, i)), to.row(shape.offset(1, i)));
+    parallel_for(shape.size, 0, [&](int64_t first, int64_t last) {
+        for (int64_t i = first; i < last; ++i)
+            out.data[i] = distance(robot, w.data(), from.row(shape.offset(0, i)), to.row(shape.offset(1, i)));
+    });
     return nb::cast(out.array);
 }
 

@@ -7,6 +7,7 @@ metres, all meshes closed. Sines come from the native core: the same mesh on eve
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,25 +26,26 @@ Vertices = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 
-def box(size: ArrayLike, name: str = "box") -> Shape:
-    """A box with edges (3,) along the axes, its middle at the origin."""
+def box(size: ArrayLike, name: str = "box", **options: Any) -> Shape:
+    """A box with edges (3,) along the axes, its middle at the origin; `options` of Shape."""
     edges = np.array(size, dtype=np.float64)
     if edges.shape != (3,) or not (np.isfinite(edges).all() and (edges > 0).all()):
         raise ValueError(f"{name}: size {size!r}, wanted three lengths over 0")
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
-    return Shape(0.5 * edges * corners, faces, name=name)
+    return Shape(0.5 * edges * corners, faces, name=name, **options)
 
 
 def cylinder(
-    radius: float, length: float, error: float = ERROR, name: str = "cylinder"
+    radius: float, length: float, error: float = ERROR, name: str = "cylinder", **options: Any
 ) -> tuple[Shape, float]:
     """A prism around a cylinder about z, its middle at the origin; and how far it sticks out.
 
     Args:
         radius, length: over 0.
         error: how far it may stick out; with 256 sides it is as round as it gets.
+        options: of Shape.
     """
     radius, length = _length(radius, f"{name}: radius"), _length(length, f"{name}: length")
     error = _length(error, f"{name}: error")
@@ -64,15 +66,18 @@ def cylinder(
         np.column_stack([0 * fan, fan, fan + 1]) + sides,
     ]
     vertices = np.vstack([np.hstack([ring, -half]), np.hstack([ring, half])])
-    return Shape(vertices, np.vstack(faces), name=name), outer - radius
+    return Shape(vertices, np.vstack(faces), name=name, **options), outer - radius
 
 
-def sphere(radius: float, error: float = ERROR, name: str = "sphere") -> tuple[Shape, float]:
+def sphere(
+    radius: float, error: float = ERROR, name: str = "sphere", **options: Any
+) -> tuple[Shape, float]:
     """A polyhedron around a sphere at the origin; and how far it sticks out.
 
     Args:
         radius: over 0.
         error: how far it may stick out; with 20,480 faces it is as round as it gets.
+        options: of Shape.
     """
     radius, error = _length(radius, f"{name}: radius"), _length(error, f"{name}: error")
     vertices, faces = _icosahedron()
@@ -84,7 +89,7 @@ def sphere(radius: float, error: float = ERROR, name: str = "sphere") -> tuple[S
         outer = radius / float(nearest) * OUTWARD
         if outer - radius <= error:
             break
-    return Shape(outer * vertices, faces, name=name), outer - radius
+    return Shape(outer * vertices, faces, name=name, **options), outer - radius
 
 
 def _length(value: float, name: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -69,13 +69,13 @@ class Robot:
     """
 
     name: str
-    links: tuple[Link, ...]
-    joints: tuple[Joint, ...] = ()
+    links: Sequence[Link]
+    joints: Sequence[Joint] = ()
     base: str = "fixed"
     mount: Pose = field(default_factory=lambda: np.eye(4))
     drive: Drive | None = None
     workspace: Floats | None = None
-    allowed: tuple[tuple[str, str], ...] = ()
+    allowed: Sequence[tuple[str, str]] = ()
 
     def __post_init__(self) -> None:
         put = object.__setattr__

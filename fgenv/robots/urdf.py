@@ -10,7 +10,7 @@ import io
 import math
 import os
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,8 @@ class Reader:
         model = _loaded(document, self.path)
         texts = document.findall("link"), document.findall("joint")
         links = [self._link(link, text) for link, text in zip(model.links, texts[0], strict=True)]
-        joints = [self._joint(j, text) for j, text in zip(model.joints, texts[1], strict=True)]
+        slides = {joint.name for joint in model.joints if joint.type == "prismatic"}
+        joints = [self._joint(j, t, slides) for j, t in zip(model.joints, texts[1], strict=True)]
         shaped = any(link.shapes for link in links)
         if self.collision and not shaped and document.find("link/visual") is not None:
             told = "has visual but no collision geometry: it meets nothing; give collision=False"
@@ -63,7 +64,7 @@ class Reader:
             shapes.append(LinkShape(shape, self._origin(element), excess))
         return Link(link.name, shapes)
 
-    def _joint(self, joint: Any, text: Any) -> Joint:
+    def _joint(self, joint: Any, text: Any, slides: Container[str]) -> Joint:
         length = self.scale if joint.type == "prismatic" else 1.0
         limit = joint.limit
         lower, upper, velocity = -math.inf, math.inf, math.inf
@@ -75,7 +76,8 @@ class Reader:
         mimic = None
         if joint.mimic is not None and joint.type != "fixed":
             m = joint.mimic
-            mimic = Mimic(m.joint, m.multiplier, length * m.offset)
+            followed = self.scale if m.joint in slides else 1.0
+            mimic = Mimic(m.joint, m.multiplier * length / followed, length * m.offset)
         origin, axis = self._origin(text), joint.axis
         names = joint.name, joint.type, joint.parent, joint.child
         return Joint(*names, origin, axis, lower, upper, velocity, mimic=mimic)
@@ -92,15 +94,19 @@ class Reader:
     def _shape(self, geometry: Any, link: str) -> tuple[Shape, float]:
         if geometry.mesh is not None:
             return self._mesh(geometry.mesh, link), 0.0
-        k = self.scale
-        name = f"{self.path}: link {link!r}"
+        try:
+            return self._primitive(geometry)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: link {link!r}: {error}") from None
+
+    def _primitive(self, geometry: Any) -> tuple[Shape, float]:
+        k, options = self.scale, self.shape_options
         if geometry.box is not None:
-            return primitives.box(k * geometry.box.size, f"{name}: box"), 0.0
+            return primitives.box(k * geometry.box.size, **options), 0.0
         if geometry.sphere is not None:
-            return primitives.sphere(k * geometry.sphere.radius, self.error, f"{name}: sphere")
+            return primitives.sphere(k * geometry.sphere.radius, self.error, **options)
         form = geometry.cylinder
-        size = k * form.radius, k * form.length
-        return primitives.cylinder(*size, self.error, f"{name}: cylinder")
+        return primitives.cylinder(k * form.radius, k * form.length, self.error, **options)
 
     def _mesh(self, mesh: Any, link: str) -> Shape:
         """The mesh file, scaled, mirrored where a scale is negative; read once."""
