@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Report, masks_of, silent
+from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Report, silent
 from fgenv.agents.path_follower import PathFollower
-from fgenv.collision import collide, contact
-from fgenv.scenarios import Body, Scene, clear_masks, must_test, set_masks
-from fgenv.scenarios.planar import Floats, as_path, as_poses, reach
-
-BRACKET = 1e-6  # metres of motion that a first contact is bracketed to
+from fgenv.collision import contact
+from fgenv.collision.world import TOLERANCE
+from fgenv.scenarios import Scene
+from fgenv.scenarios.planar import Floats, as_path, reach
 
 
 @dataclass(frozen=True)
@@ -46,67 +45,62 @@ def drive(
 ) -> Drive:
     """Drive the mover along a path (n, 3) until its end or until it touches a body.
 
-    In a step no point of the mover goes farther than `step` metres; at each step the mover is
-    tested against the bodies that its masks leave. On contact it stands at the last free step.
+    In a step no point of the mover goes farther than `step` metres; each step is proved free of
+    the bodies that the path's masks leave, before it is made. Where it is not, the first contact
+    is told, and the mover stays at the last free step.
     """
-    mover, q = scene.mover, as_path(path)
-    follower = PathFollower(q, speed=speed, radius=reach(mover.shape.vertices))
+    world, mover, q = scene.world, scene.mover, as_path(path)
+    radius = reach(world.record(mover).shape.vertices)
+    follower = PathFollower(q, speed=speed, radius=radius)
     ticks = follower.ticks(step)
-    before = masks_of(scene)
-    box = set_masks(mover, scene.obstacles, q)
-    masks = MasksSet(start, q, box, masks_of(scene))
-    report(masks)
-    hit, tests, last, steps = None, 0, 0.0, 0
+    before, hit, tests, last, steps = scene.masks, None, 0, 0.0, 0
+    poses = scene.poses(follower.at(ticks))
+    world.set_path(mover, scene.poses(q))
     try:
-        for tick, now in zip(ticks.tolist(), follower.at(ticks), strict=True):
-            pairs = [body for body in scene.obstacles if must_test(mover, body)]
-            tests, steps = tests + len(pairs), steps + 1
-            touched = [body for body in pairs if _touches(mover, now, body)]
-            if touched:
-                hits = [_first_contact(mover, b, follower, last, tick, start) for b in touched]
-                hit = min(hits, key=lambda event: event.time)
+        masks = MasksSet(start, q, world.motion_boxes(mover), scene.masks)
+        report(masks)
+        world.set_pose(mover, poses[0])
+        for begun, seen, pose in zip(ticks[:-1], ticks[1:], poses[1:], strict=True):
+            moved = world.check_motion(mover, world.poses(mover), pose)
+            tests, steps = tests + int(moved.checks), steps + 1
+            if not moved:
+                hit = _hit(scene, follower, float(begun), float(seen), start)
                 report(hit)
                 break
-            mover.configuration, last = _triple(now), tick
+            world.set_pose(mover, pose)
+            last = float(seen)
     finally:
-        clear_masks(mover, scene.obstacles)
+        world.clear_path(mover)
     end = start + follower.duration if hit is None else hit.time
-    cleared = MasksCleared(end, masks_of(scene))
+    cleared = MasksCleared(end, scene.masks)
     report(cleared)
     if hit is None:
-        report(Arrived(end, mover.configuration))
-    every = steps * len(scene.obstacles)
-    driven = follower.until(last)
+        report(Arrived(end, _triple(q[-1])))
+    every, driven = steps * (len(world) - 1), follower.until(last)
     return Drive(before, masks, driven, start, end, speed, steps, tests, every, hit, cleared)
 
 
-def _touches(mover: Body, q: Floats, body: Body) -> bool:
-    return bool(collide(mover.shape, as_poses(q, mover.height), body.shape, body.pose))
-
-
-def _first_contact(
-    mover: Body, body: Body, follower: PathFollower, free: float, hit: float, start: float
-) -> Hit:
-    """Halve the time between a free step and a colliding one until the bracket is small."""
-    seen = hit
-    while (hit - free) * follower.speed > BRACKET:
-        middle = (free + hit) / 2
-        if _touches(mover, follower.at(middle), body):
-            hit = middle
-        else:
-            free = middle
-    before, after = follower.at([free, hit])
-    found = contact(mover.shape, as_poses(after, mover.height), body.shape, body.pose)
+def _hit(scene: Scene, follower: PathFollower, begun: float, seen: float, start: float) -> Hit:
+    """The first contact in the step from `begun` to `seen` seconds."""
+    end = seen + 2 * TOLERANCE / follower.speed  # a step may end where the touch is to begin
+    moved = scene.world.check_motion(scene.mover, *scene.poses(follower.at([begun, end])))
+    mover, body = scene.world.record(scene.mover), scene.world.record(int(moved.other))
+    free, met = (begun + float(f) * (end - begun) for f in (moved.contact, moved.contact_by))
+    before, after = follower.at([free, end if moved.unresolved else met])
+    found = contact(mover.shape, scene.poses(after), body.shape, body.pose)
     if found is None:
-        raise AssertionError(f"{mover.name} and {body.name} collide without a contact")
+        raise RuntimeError(
+            f"{mover.name} at {_triple(before)}: the step that follows is neither proved free of "
+            f"{body.name} nor shown to touch it; take another step"
+        )
     return Hit(
-        time=start + hit,
+        time=start + met,
         seen=start + seen,
         mover=mover.name,
         body=body.name,
         before=_triple(before),
         after=_triple(after),
-        bracket=(hit - free) * follower.speed,
+        bracket=(met - free) * follower.speed,
         contact=found,
     )
 

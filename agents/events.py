@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from fgenv.collision import Contact
-from fgenv.planners import Clearance, Plan
-from fgenv.scenarios import Scene
+from fgenv.planners import Plan, Proof
 from fgenv.scenarios.planar import Floats
 
 Configuration = tuple[float, float, float]
@@ -14,11 +13,11 @@ Configuration = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MasksSet:
-    """A path was projected: its motion box (2, 3) and all masks by the body's name."""
+    """A path was projected: the motion box of each leg, (n - 1, 2, 3), and all masks by name."""
 
     time: float
     path: Floats
-    motion_box: Floats
+    motion_boxes: Floats
     masks: dict[str, int]
 
 
@@ -52,14 +51,14 @@ class MasksCleared:
 class Replanned:
     """A new path (n, 3) to the goal: `back_off` metres back the way it came, then the plan.
 
-    `clearance` is the proof that the plan is free; the way back has been driven before.
+    `proof` is that that the plan is free; the way back has been driven before.
     """
 
     time: float
     path: Floats
     back_off: float
     plan: Plan
-    clearance: Clearance
+    proof: Proof
 
 
 @dataclass(frozen=True)
@@ -76,8 +75,3 @@ Report: TypeAlias = Callable[[Event], None]
 
 def silent(event: Event) -> None:
     """A report that says nothing."""
-
-
-def masks_of(scene: Scene) -> dict[str, int]:
-    """The collision mask of each body by name."""
-    return {body.name: body.collision_mask for body in scene.bodies}

@@ -12,7 +12,7 @@ from fgenv.agents.path_follower import PathFollower
 from fgenv.agents.replan import Journey, drive_and_replan
 from fgenv.collision import MeshWarning, Shape, collide, published
 from fgenv.scenarios import Scene
-from fgenv.scenarios.planar import as_poses, reach
+from fgenv.scenarios.planar import reach
 
 EXPECTED = {"robot": 1, "tank 1": 0, "tank 2": 1, "tank 3": 1}  # masks during the first motion
 HIT = "tank 2"
@@ -76,20 +76,20 @@ def _published(scene: Scene, drive: Drive, step: float) -> Published:
     """The published masks and the published cycle on the same path, at the same steps."""
     nodes = [
         published.Node(b.id, b.name, b.shape.vertices, b.shape.faces.astype(np.int64), b.pose)
-        for b in scene.bodies
+        for b in scene.records
     ]
     path = drive.masks.path
     on_floor = np.column_stack([path[:, :2], np.zeros(len(path))])
     published.set_masks(nodes, nodes[0], on_floor)
-    mover = scene.mover
+    mover, *others = scene.records
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshWarning)  # the scene's own shape has said it
         loop = Shape(mover.shape.vertices, mover.shape.faces, method="loop")
     follower = PathFollower(path, speed=drive.speed, radius=reach(mover.shape.vertices))
     ticks = follower.ticks(step)
-    poses = as_poses(follower.at(ticks), mover.height)
+    poses = scene.poses(follower.at(ticks))
     first: tuple[float, str | None] = np.inf, None
-    for body, node in zip(scene.obstacles, nodes[1:], strict=True):
+    for body, node in zip(others, nodes[1:], strict=True):
         if published.must_test(nodes[0], node):
             hits = np.asarray(collide(loop, poses, body.shape, body.pose))
             if hits.any():

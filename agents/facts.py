@@ -32,9 +32,9 @@ def facts(experiment: Experiment, pictures: Sequence[str] = ()) -> dict[str, Any
                 "watertight": body.shape.watertight,
                 "size": np.ptp(body.shape.vertices, axis=0).tolist(),
                 "feature_points": len(body.feature_points),
-                "feature_edges": len(body.feature_graph.edges),
+                "feature_edges": len(body.graph.edges),
             }
-            for body in scene.bodies
+            for body in scene.records
         ],
         "drives": [_drive_facts(drive) for drive in journey.drives],
         "plan": plan
@@ -43,8 +43,9 @@ def facts(experiment: Experiment, pictures: Sequence[str] = ()) -> dict[str, Any
             "back_off": plan.back_off,
             "length": plan.back_off + plan.plan.length,
             "checks": plan.plan.checks,
-            "proved_free": plan.clearance.proved,
-            "least_clearance": plan.clearance.least,
+            "proved_free": plan.proof.proved,
+            "edges": plan.proof.edges,
+            "least_clearance": plan.proof.least,
         },
         "published": {
             "masks": experiment.published.masks,
@@ -60,7 +61,7 @@ def _drive_facts(drive: Drive) -> dict[str, Any]:
     hit = drive.hit
     return {
         "path": drive.masks.path.tolist(),
-        "motion_box": drive.masks.motion_box.tolist(),
+        "motion_boxes": drive.masks.motion_boxes.tolist(),
         "masks": {
             "before": drive.before,
             "during": drive.masks.masks,

@@ -31,9 +31,10 @@ class PathFollower:
         return np.stack([np.interp(t, self.times, self.path[:, k]) for k in range(3)], axis=-1)
 
     def ticks(self, step: float) -> Floats:
-        """Times (k,) from 0 to the end, in which no point moves more than `step` metres."""
+        """Times (k,) from 0 to the end, corners among them; between two of them no point moves
+        more than `step` metres, and all on one leg."""
         count = max(1, int(np.ceil(self.duration * self.speed / step - 1e-9)))
-        return np.linspace(0.0, self.duration, count + 1)
+        return np.union1d(np.linspace(0.0, self.duration, count + 1), self.times)
 
     def until(self, time: float) -> Floats:
         """The path driven up to a time, (k, 3) with k >= 2."""

@@ -67,19 +67,17 @@ def replan(
 
     Raises PlanningError where there is none.
     """
-    shape, height = scene.mover.shape, scene.mover.height
-    careful = PlanarChecker(shape, scene.obstacles, height=height, margin=margin)
-    way_back = PathFollower(stopped.driven[::-1], speed=1.0, radius=reach(shape.vertices))
+    world, mover = scene.world, scene.mover
+    exact = PlanarChecker(world, mover, height=scene.height)
+    careful = PlanarChecker(world, mover, height=scene.height, margin=margin)
+    radius = reach(exact.shape.vertices)
+    way_back = PathFollower(stopped.driven[::-1], speed=1.0, radius=radius)
     ticks = way_back.ticks(margin / 4)
     free = careful.free(way_back.at(ticks))
     if not free.any():
         raise PlanningError(f"nowhere on the way back are {margin:g} m free on all sides")
     retreat = way_back.until(ticks[free.argmax()])
     plan = plan_planar(careful, retreat[-1], scene.goal, seed=seed, time_limit=time_limit)
-    exact = PlanarChecker(shape, scene.obstacles, height=height)
-    clearance = prove_free(exact, plan.path)
-    if not clearance.proved:
-        raise PlanningError(f"the path is not free near {clearance.where}")
     path = np.concatenate([retreat[:-1], plan.path])
     back_off = float(travel(retreat, 0.0).sum())
-    return Replanned(stopped.end, path, back_off, plan, clearance)
+    return Replanned(stopped.end, path, back_off, plan, prove_free(exact, plan.path))

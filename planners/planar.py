@@ -1,29 +1,30 @@
-"""Planning for one rigid body that moves on the floor among bodies that stand."""
+"""Planning for one rigid body that moves on the floor among the bodies of a world."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fgenv.collision import Shape, collide
+from fgenv.collision import World
+from fgenv.collision.world import MotionResult
 from fgenv.planners.rrt_connect import Plan, PlanningError, rrt_connect
-from fgenv.scenarios import Body
-from fgenv.scenarios.planar import Floats, as_poses, reach
+from fgenv.scenarios import bounds as bounds_of
+from fgenv.scenarios import in_contact
+from fgenv.scenarios.planar import Floats, as_path, as_poses, reach
 
 
 class PlanarChecker:
-    """State validity: no obstacle is nearer to the body than `margin` metres (0: touches it).
+    """Validity of a robot's configurations and motions in a world.
 
-    Call it with x, y, yaw, as OMPL does; `free` takes many configurations at once.
+    Valid is what keeps more than `margin` metres (0: does not touch) from all bodies. Call it with
+    x, y, yaw, as OMPL does; `free` takes many configurations at once.
     """
 
     def __init__(
-        self, shape: Shape, obstacles: Sequence[Body], *, height: float = 0.0, margin: float = 0.0
+        self, world: World, robot: int, *, height: float = 0.0, margin: float = 0.0
     ) -> None:
-        self.shape, self.obstacles = shape, list(obstacles)
+        self.world, self.robot, self.shape = world, robot, world.record(robot).shape
         self.height, self.margin = height, margin
-        self._fixed = [(body.shape, body.pose) for body in self.obstacles]
         self._pose = np.eye(4)  # written anew for each check
         self._pose[2, 3] = height
 
@@ -32,27 +33,26 @@ class PlanarChecker:
         pose[0, 0] = pose[1, 1] = cos
         pose[1, 0], pose[0, 1] = sin, -sin
         pose[0, 3], pose[1, 3] = x, y
-        for shape, place in self._fixed:
-            if collide(self.shape, pose, shape, place, margin=self.margin):
-                return False
-        return True
+        return not self.world.collides(self.robot, pose, margin=self.margin)
 
     def free(self, configurations: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the configurations (n, 3) are free, (n,)."""
+        """Which of the configurations (n, 3) are valid, (n,)."""
         poses = as_poses(configurations, self.height)
-        hit = np.zeros(poses.shape[:-2], dtype=bool)
-        for shape, place in self._fixed:
-            hit |= collide(self.shape, poses, shape, place, margin=self.margin)
-        return ~hit
+        return np.asarray(~self.world.collides(self.robot, poses, margin=self.margin))
 
     def hits(self, configuration: ArrayLike) -> list[str]:
-        """The names of the obstacles in the way of one configuration (3,)."""
+        """The names of the bodies in the way of one configuration (3,)."""
         pose = as_poses(configuration, self.height)
-        return [
-            body.name
-            for body, (shape, place) in zip(self.obstacles, self._fixed, strict=True)
-            if collide(self.shape, pose, shape, place, margin=self.margin)
-        ]
+        return in_contact(self.world, self.robot, pose, self.margin)
+
+    def motion(self, path: ArrayLike, margin: float = 0.0) -> MotionResult:
+        """The certified motion along each edge of a path (n, 3), at a margin of its own."""
+        poses = as_poses(as_path(path), self.height)
+        return self.world.check_motion(self.robot, poses[:-1], poses[1:], margin=margin)
+
+    def clearance(self, configurations: ArrayLike) -> Floats:
+        """Metres (n,) to the nearest body at configurations (n, 3)."""
+        return self.world.clearance(self.robot, as_poses(configurations, self.height)).distance
 
 
 def plan_planar(
@@ -65,10 +65,11 @@ def plan_planar(
     seed: int = 0,
     time_limit: float = 10.0,
 ) -> Plan:
-    """Plan for the checker's body from start to goal (x, y, yaw each); see `rrt_connect`.
+    """Plan for the checker's robot from start to goal (x, y, yaw each); see `rrt_connect`.
 
-    Without bounds the origin may go where it can pass around everything. Raises PlanningError,
-    which names the obstacles where start or goal is in collision.
+    States keep the checker's margin; the path's edges are proved free. Without bounds the origin
+    may go where it can pass around everything. Raises PlanningError, which names the bodies where
+    start or goal is in collision.
     """
     for name, q in (("start", start), ("goal", goal)):
         hits = checker.hits(q)
@@ -85,12 +86,14 @@ def plan_planar(
         resolution=resolution,
         seed=seed,
         time_limit=time_limit,
+        proof=lambda path: bool(checker.motion(path)),
     )
 
 
 def _room(checker: PlanarChecker, ends: Floats, radius: float) -> Floats:
-    """Bounds (2, 2) for the origin that leave space to drive around all obstacles."""
-    boxes = [body.bounds[:, :2] for body in checker.obstacles]
+    """Bounds (2, 2) for the origin that leave space to drive around all other bodies."""
+    others = [int(body) for body in checker.world.ids if body != checker.robot]
+    boxes = [bounds_of(checker.world.record(body))[:, :2] for body in others]
     corners = np.concatenate([ends[:, :2], *boxes])
     space = 2.0 * (radius + checker.margin)
     return np.stack([corners.min(axis=0) - space, corners.max(axis=0) + space])

@@ -66,13 +66,15 @@ def rrt_connect(
     resolution: float = 0.02,
     seed: int = 0,
     time_limit: float = 10.0,
+    proof: Callable[[Floats], bool] | None = None,
 ) -> Plan:
     """Plan from start to goal (x, y, yaw each) within bounds (2, 2): least and greatest x, y.
 
     `valid(x, y, yaw)` says whether a configuration is free. Motions are checked every
-    `resolution` metres, of a body whose points lie within `radius` metres of its z axis; the
-    simplified path is checked again four times finer, and planned anew at that resolution
-    where it fails. Same seed, same path, unless the time limit (s) cuts the search short.
+    `resolution` metres, of a body whose points lie within `radius` metres of its z axis. Then
+    `proof(path)` has to say that the whole simplified path (n, 3) is free; without one its states
+    are checked four times finer. Where it fails, it is planned anew at that resolution. Same seed,
+    same path, unless the time limit (s) cuts the search short.
 
     Raises PlanningError (start or goal not valid or out of bounds, no path in time), ValueError
     for bad arguments, and whatever `valid` raises.
@@ -96,7 +98,8 @@ def rrt_connect(
                 f"no path from {_show(ends[0])} to {_show(ends[1])} within {time_limit:g} s "
                 f"({latch.checks} checks): give a longer time_limit, wider bounds or another seed"
             )
-        if all(latch.valid(*q) for q in refine(path, radius, fine / 4).tolist()):
+        finer = refine(path, radius, fine / 4).tolist()
+        if proof(path) if proof else all(latch.valid(*q) for q in finer):
             length = float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum())
             return Plan(path, length, latch.checks, time.perf_counter() - began, seed)
     raise PlanningError(

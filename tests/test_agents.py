@@ -8,8 +8,8 @@ import trimesh
 
 from fgenv.agents import Hit, PathFollower, drive, drive_and_replan
 from fgenv.agents.events import Event
-from fgenv.collision import Shape
-from fgenv.scenarios import Body, Scene, three_tanks
+from fgenv.collision import Shape, World
+from fgenv.scenarios import Scene, three_tanks
 from fgenv.scenarios.planar import as_path, as_poses, reach
 
 PATH = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 2.0), (2.0, 1.0, 2.5)]
@@ -61,13 +61,19 @@ def test_bad_arguments(path: list[tuple[float, ...]], speed: float, message: str
 
 def corridor(goal_free: bool = True) -> Scene:
     """A cube that has to get past a post; the goal may be walled in."""
+    world = World()
     cube, post = trimesh.creation.box((0.5, 0.5, 0.5)), trimesh.creation.cylinder(0.3, 1.0)
-    mover = Body(0, "cube", Shape(cube.vertices, cube.faces), own_bit=1)
-    bodies = [Body(1, "post", Shape(post.vertices, post.faces), (2.0, 0.1, 0.0))]
+    mover = world.add(Shape(cube.vertices, cube.faces), name="cube")
+    world.add(Shape(post.vertices, post.faces), as_poses((2.0, 0.1, 0.0)), name="post")
     if not goal_free:
         ring = trimesh.creation.annulus(0.8, 0.9, 1.0)
-        bodies.append(Body(2, "ring", Shape(ring.vertices, ring.faces), (4.0, 0.0, 0.0)))
-    return Scene("corridor", mover, bodies, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0))
+        world.add(Shape(ring.vertices, ring.faces), as_poses((4.0, 0.0, 0.0)), name="ring")
+    return Scene("corridor", world, mover, (0.0, 0.0, 0.0), (4.0, 0.0, 0.0))
+
+
+def at(scene: Scene) -> list[float]:
+    """Where the mover's origin is, x and y."""
+    return scene.world.poses(scene.mover)[:2, 3].tolist()
 
 
 def test_first_contact_where_geometry_says() -> None:
@@ -75,7 +81,7 @@ def test_first_contact_where_geometry_says() -> None:
     hit = drive(scene, scene.straight_path, speed=1.0, step=0.03).hit
     assert hit is not None
     # The cube's flat front meets the post's foremost vertex or edge: x = 2 - 0.3 - 0.25.
-    post = scene.obstacles[0].shape.vertices[:, 0].min()
+    post = scene.world.record("post").shape.vertices[:, 0].min()
     assert hit.after[0] == pytest.approx(2.0 + post - 0.25, abs=2e-6)
     assert hit.time == pytest.approx(hit.after[0], abs=1e-9)
     assert 0 <= hit.seen - hit.time <= 0.03
@@ -85,9 +91,9 @@ def test_drive_stands_at_the_last_free_step_and_no_mask_is_left() -> None:
     scene = corridor()
     done = drive(scene, scene.straight_path, step=0.03)
     assert done.hit is not None
-    assert scene.mover.configuration == pytest.approx(tuple(done.driven[-1]))
-    assert done.hit.before[0] - scene.mover.configuration[0] <= 0.03
-    assert [b.collision_mask for b in scene.bodies] == [0, 0]
+    assert at(scene) == pytest.approx(done.driven[-1, :2])
+    assert 0 <= done.hit.before[0] - at(scene)[0] <= 0.03
+    assert list(scene.masks.values()) == [0, 0]
 
 
 def test_no_mask_is_left_after_an_error() -> None:
@@ -98,7 +104,7 @@ def test_no_mask_is_left_after_an_error() -> None:
     scene = corridor()
     with pytest.raises(RuntimeError, match="stop"):
         drive(scene, scene.straight_path, report=report)
-    assert [b.collision_mask for b in scene.bodies] == [0, 0]
+    assert list(scene.masks.values()) == [0, 0]
 
 
 def test_replanning_goes_around() -> None:
@@ -106,7 +112,7 @@ def test_replanning_goes_around() -> None:
     journey = drive_and_replan(scene, scene.straight_path, seed=2)
     assert journey.arrived
     assert len(journey.plans) == 1
-    assert scene.mover.configuration == pytest.approx(scene.goal)
+    assert at(scene) == pytest.approx(scene.goal[:2])
 
 
 def test_no_way_around_is_told() -> None:
@@ -122,3 +128,14 @@ def test_free_path_needs_no_plan() -> None:
     journey = drive_and_replan(scene, np.array([scene.start, (0.0, -3.0, 0.0)]))
     assert journey.arrived
     assert not journey.plans
+    assert at(scene) == pytest.approx((0.0, -3.0))
+
+
+def test_thinner_than_a_step_is_met() -> None:
+    scene = corridor()
+    sheet = trimesh.creation.box((1e-4, 3.0, 1.0))
+    scene.world.add(Shape(sheet.vertices, sheet.faces), as_poses((0.8, 0.0, 0.0)), name="sheet")
+    hit = drive(scene, scene.straight_path, step=0.9).hit
+    assert hit is not None
+    assert hit.body == "sheet"
+    assert hit.after[0] == pytest.approx(0.8 - 5e-5 - 0.25, abs=2e-6)

@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 from fgenv.agents import Arrived, Experiment, Hit, MasksCleared, MasksSet, facts, run_experiment
 from fgenv.agents.events import Event
 from fgenv.cli import app
-from fgenv.collision import Shape
-from fgenv.scenarios import Body, Scene, clear_masks, motion_box, must_test, set_masks, three_tanks
+from fgenv.collision.world import Record
+from fgenv.scenarios import Scene, bounds, three_tanks
 from fgenv.scenarios.planar import as_path, as_poses, reach, refine
 from fgenv.view.figures import draw_figures
 
@@ -42,12 +42,12 @@ class Peer:
     """python-fcl on the bodies of a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        self.mover = self._object(scene.mover)
-        self.height = scene.mover.height
-        self.others = {body.name: self._object(body) for body in scene.obstacles}
+        mover, *others = scene.records
+        self.mover, self.height = self._object(mover), scene.height
+        self.others = {body.name: self._object(body) for body in others}
 
     @staticmethod
-    def _object(body: Body) -> Any:
+    def _object(body: Record) -> Any:
         model = fcl.BVHModel()
         model.beginModel(len(body.shape.vertices), len(body.shape.faces))
         model.addSubModel(body.shape.vertices, body.shape.faces)
@@ -63,13 +63,14 @@ class Peer:
 
 def test_scene_is_as_published(experiment: Experiment) -> None:
     scene = experiment.scene
-    for body in scene.bodies:
+    mover, *tanks = scene.records
+    for body in scene.records:
         assert body.shape.watertight
         assert 1000 <= len(body.shape.faces) <= 3000
-        assert (body.feature_graph.kinds == "valley").any()  # concave
+        assert (body.graph.kinds == "valley").any()  # concave
         assert len(body.feature_points) > 100
-    assert 0.8 < np.ptp(scene.mover.shape.vertices, axis=0).max() < 1.3
-    sizes = {tuple(np.ptp(b.shape.vertices, axis=0).round(3)) for b in scene.obstacles}
+    assert 0.8 < np.ptp(mover.shape.vertices, axis=0).max() < 1.3
+    sizes = {tuple(np.ptp(b.shape.vertices, axis=0).round(3)) for b in tanks}
     assert len(sizes) == 3
 
 
@@ -78,14 +79,14 @@ def test_masks_before_during_and_after(experiment: Experiment) -> None:
     assert first.before == again.before == NONE
     assert first.masks.masks == experiment.published.masks == PUBLISHED
     assert first.cleared.masks == again.cleared.masks == NONE
-    assert all(body.collision_mask == 0 for body in experiment.scene.bodies)
+    assert experiment.scene.masks == NONE
     assert again.masks.masks["robot"] == 1
 
 
 def test_masked_pairs_are_not_tested(experiment: Experiment) -> None:
     for drive in experiment.journey.drives:
         masked = sum(drive.masks.masks.values()) - 1
-        assert drive.tests == drive.steps * masked
+        assert 0 < drive.tests <= drive.steps * masked
         assert drive.without_masks == drive.steps * 3
 
 
@@ -113,8 +114,9 @@ def test_contact_is_shown_by_a_feature_edge_on_a_face(experiment: Experiment) ->
     found = hit.contact
     assert found.edge is not None
     assert found.face is not None
-    poses = {"robot": as_poses(hit.after), "tank 2": scene.obstacles[1].pose}
-    shapes = {"robot": scene.mover.shape, "tank 2": scene.obstacles[1].shape}
+    records = {record.name: record for record in scene.records}
+    poses = {"robot": as_poses(hit.after), "tank 2": records["tank 2"].pose}
+    shapes = {name: records[name].shape for name in poses}
     owner, other = ("robot", "tank 2") if found.edge_of == "a" else ("tank 2", "robot")
     graph, pose = shapes[owner].graph, poses[owner]
     ends = (graph.points @ pose[:3, :3].T + pose[:3, 3])[graph.edges]
@@ -140,11 +142,14 @@ def test_replanned_path_is_free_by_fcl_at_a_fine_step(experiment: Experiment) ->
     np.testing.assert_allclose(path[-1], scene.goal, atol=1e-12)
     np.testing.assert_allclose(again.driven, path, atol=1e-12)
     peer = Peer(scene)
-    fine = refine(as_path(path), reach(scene.mover.shape.vertices), 0.002)
+    fine = refine(as_path(path), reach(scene.records[0].shape.vertices), 0.002)
     assert len(fine) > 3000
     assert not any(peer.hits(q) for q in fine)
-    assert experiment.journey.plans[0].clearance.proved
-    assert scene.mover.configuration == pytest.approx(scene.goal)
+    proof = experiment.journey.plans[0].proof
+    assert proof.proved
+    assert proof.edges == len(experiment.journey.plans[0].plan.path) - 1
+    assert 0.03 < proof.least < 0.2
+    np.testing.assert_allclose(scene.world.poses(scene.mover), scene.poses(scene.goal), atol=1e-12)
 
 
 def test_events_are_told_in_order(told: tuple[Experiment, list[Event]]) -> None:
@@ -192,18 +197,16 @@ def random_path(rng: np.random.Generator) -> Array:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_motion_box_holds_the_whole_body_and_is_tight(seed: int) -> None:
+def test_motion_boxes_hold_the_whole_body(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    body = three_tanks().mover
-    path = as_path(random_path(rng))
-    low, high = motion_box(body, path)
-    sampled = refine(path, reach(body.shape.vertices), 0.02)
-    poses = as_poses(sampled, body.height)
-    corners = body.shape.vertices @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
-    assert (corners >= low).all()
-    assert (corners <= high).all()
-    slack = max((corners.min(axis=(0, 1)) - low).max(), (high - corners.max(axis=(0, 1))).max())
-    assert slack < 0.15  # metres
+    scene, path = three_tanks(), as_path(random_path(rng))
+    scene.world.set_path(scene.mover, scene.poses(path))
+    vertices = scene.records[0].shape.vertices
+    for leg, (low, high) in enumerate(scene.world.motion_boxes(scene.mover)):
+        poses = scene.poses(refine(path[leg : leg + 2], reach(vertices), 0.02))
+        corners = vertices @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
+        assert (corners >= low).all()
+        assert (corners <= high).all()
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -211,8 +214,8 @@ def test_mask_never_hides_a_collision(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     scene = three_tanks()
     path = as_path(np.array(scene.start) + random_path(rng) * (2, 2, 1) + (4, 3, 0))
-    set_masks(scene.mover, scene.obstacles, path)
-    peer, hidden = Peer(scene), {b.name for b in scene.obstacles if b.collision_mask == 0}
+    scene.world.set_path(scene.mover, scene.poses(path))
+    peer, hidden = Peer(scene), {name for name, mask in scene.masks.items() if mask == 0}
     touched = {name for q in refine(path, 1.0, 0.1) for name in peer.hits(q)}
     assert not touched & hidden
 
@@ -220,25 +223,24 @@ def test_mask_never_hides_a_collision(seed: int) -> None:
 def test_a_large_body_beside_the_path_reaches_into_the_box() -> None:
     """The published form looks at positions alone and misses it."""
     scene = three_tanks()
-    beside = Body(9, "beside", scene.obstacles[0].shape, (4.0, 6.2, 0.0))
-    set_masks(scene.mover, [beside], scene.straight_path)
-    assert must_test(scene.mover, beside)
+    tank = scene.records[1].shape
+    beside = scene.world.add(tank, as_poses((4.0, 6.2, 0.0)), name="beside")
+    assert beside in scene.world.set_path(scene.mover, scene.poses(scene.straight_path))
+    assert scene.masks["beside"] == 1
 
 
 def test_each_mover_has_its_own_bit() -> None:
     scene = three_tanks()
-    one, other, tank = scene.mover, three_tanks().mover, scene.obstacles[1]
-    other.own_bit, other.name = 2, "other"
-    set_masks(one, scene.obstacles, scene.straight_path)
-    coming = np.array([(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)])
-    set_masks(other, [*scene.obstacles, one], coming)
-    assert [b.collision_mask for b in (one, *scene.obstacles)] == [3, 2, 1, 1]
-    assert must_test(one, tank)
-    assert not must_test(other, tank)
-    # Both are candidates of the other mover: that is no reason to test one against the other.
-    assert not must_test(one, scene.obstacles[0])
-    clear_masks(one, scene.obstacles)
-    assert [b.collision_mask for b in scene.obstacles] == [2, 0, 0]
+    world, one = scene.world, scene.mover
+    other = world.add(scene.records[0].shape, as_poses((0.0, 8.0, 0.0)), name="other")
+    world.set_path(one, scene.poses(scene.straight_path))
+    world.set_path(other, as_poses([(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)]))
+    assert scene.masks == {"robot": 3, "tank 1": 2, "tank 2": 1, "tank 3": 1, "other": 3}
+    # Both see tanks of their own: that is no reason to test one's against the other's.
+    assert 1 not in world.candidates(one)
+    assert 2 not in world.candidates(other)
+    world.clear_path(one)
+    assert list(scene.masks.values())[1:] == [2, 0, 0, 2]
 
 
 # The command -------------------------------------------------------------------------------------
@@ -259,7 +261,7 @@ def test_json_has_all_facts_and_the_exit_code_says_so() -> None:
     assert said["seed"] == 4
     first, again = said["drives"]
     assert first["masks"] == {"before": NONE, "during": PUBLISHED, "after": NONE}
-    assert np.array(first["motion_box"]).shape == (2, 3)
+    assert np.array(first["motion_boxes"]).shape == (1, 2, 3)
     met = first["collision"]
     assert met["pair"] == ["robot", "tank 2"]
     assert met["bracket"] <= 1e-4
@@ -308,7 +310,7 @@ def test_own_mesh(tmp_path: Path) -> None:
     assert code == 0
     assert said["bodies"][0]["size"] == pytest.approx([0.8, 0.5, 0.8], abs=1e-6)
     assert said["bodies"][0]["watertight"] is False
-    low, _ = said["drives"][0]["motion_box"]
+    low, _ = said["drives"][0]["motion_boxes"][0]
     assert low[2] == pytest.approx(0.0, abs=1e-9)  # stood on the floor
 
 
@@ -327,15 +329,27 @@ def test_own_mesh_that_collides_at_once_is_an_error(tmp_path: Path) -> None:
 
 
 def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:
-    """A robot like a marble passes under the tank, or jumps over its feet."""
-    trimesh.creation.icosphere(radius=0.01).export(tmp_path / "marble.ply")
-    mesh = str(tmp_path / "marble.ply")
-    code, out = fgenv("--mesh", mesh, "--step", "0.7", "--json", "--no-pictures")
+    """A robot so wide that its motion box reaches tank 1."""
+    trimesh.creation.box((0.2, 4.6, 0.1)).export(tmp_path / "wing.ply")
+    code, out = fgenv("--mesh", str(tmp_path / "wing.ply"), "--json", "--no-pictures")
     said = json.loads(out)
     assert code == 1
     assert said["as_published"] is False
-    assert said["plan"] is None
-    assert said["drives"][0]["collision"] is None
+    assert said["drives"][0]["masks"]["during"]["tank 1"] == 1
+    assert said["drives"][0]["masks"]["after"] == NONE
+
+
+def test_no_step_is_too_long_to_see_a_collision(tmp_path: Path) -> None:
+    """A robot like a marble, in steps much longer than the foot of the tank that it hits."""
+    trimesh.creation.icosphere(radius=0.01).export(tmp_path / "marble.ply")
+    mesh, times = str(tmp_path / "marble.ply"), []
+    for step in ("0.7", "0.01"):
+        code, out = fgenv("--mesh", mesh, "--step", step, "--json", "--no-pictures")
+        first = json.loads(out)["drives"][0]
+        assert code == 0
+        assert first["collision"]["pair"] == ["robot", "tank 2"]
+        times.append(first["collision"]["time"])
+    assert times[0] == pytest.approx(times[1], abs=1e-5)
 
 
 @pytest.mark.parametrize("option", [("--step", "0"), ("--scale", "-1"), ("--mesh", "no such file")])
@@ -347,5 +361,4 @@ def test_wrong_use_is_one_clear_error(option: tuple[str, str]) -> None:
 def test_three_tanks_in_python_takes_a_mesh(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="watertight"):
         scene = three_tanks(cart(tmp_path))
-    assert isinstance(scene.mover.shape, Shape)
-    assert scene.mover.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
+    assert bounds(scene.records[0])[0, 2] == pytest.approx(0.0, abs=1e-9)

@@ -20,6 +20,7 @@ EPILOG = """
   fgenv run three_tanks --json            for a machine to read
   fgenv compare                           each method: how right, how fast
   fgenv bench pairs                       race the other collision libraries
+  fgenv bench world                       the same with many bodies that move
   fgenv --install-completion              tab completion for your shell
 
 [bold]Exit codes[/bold]
@@ -64,7 +65,7 @@ def _common(
 
 app.command()(run.run)
 app.command()(compare.compare)
-app.command()(bench.bench)
+app.add_typer(bench.app)
 
 
 def main() -> None:

@@ -26,8 +26,8 @@ class Account:
         table.add_column("body")
         for name in ("at (m)", "size (m)", "triangles", "feature\npoints", "feature\nedges"):
             table.add_column(name, justify="right", no_wrap=True)
-        for body in scene.bodies:
-            graph = body.feature_graph
+        for body in scene.records:
+            graph = body.graph
             table.add_row(
                 body.name,
                 f"{body.position[0]:.1f}, {body.position[1]:.1f}",
@@ -51,12 +51,14 @@ class Account:
 
     @tell.register
     def _(self, event: MasksSet) -> None:
-        low, high = event.motion_box
+        boxes = event.motion_boxes
+        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        what = "motion box" if len(boxes) == 1 else f"{len(boxes)} motion boxes"
         sides = (
             f"{axis} {least + 0.0:.2f} to {most:.2f}"
             for axis, least, most in zip("xyz", low.round(6), high, strict=True)
         )
-        self._line(event.time, f"motion box {', '.join(sides)} m")
+        self._line(event.time, f"{what} {', '.join(sides)} m")
         self._line(event.time, f"masks      {_masks(event.masks)}")
 
     @tell.register
@@ -81,12 +83,13 @@ class Account:
 
     @tell.register
     def _(self, event: Replanned) -> None:
-        plan, gap = event.plan, event.clearance
+        plan, proof = event.plan, event.proof
         length = event.back_off + plan.length
         self._line(event.time, f"path planned anew: {len(event.path)} points, {length:.2f} m")
         self._more(f"{event.back_off:.2f} m back the way it came, then around by OMPL's RRTConnect")
         self._more(f"({plan.checks} states checked in {plan.seconds:.2f} s)")
-        self._more(f"proved free, nearest {gap.least * 1e3:.1f} mm at {_pose(gap.where)}")
+        self._more(f"proved free edge by edge ({proof.edges}), at least {proof.least * 1e3:.1f} mm")
+        self._more(f"from all bodies, the nearest place about {_pose(proof.where)}")
 
     @tell.register
     def _(self, event: Arrived) -> None:

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import json
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from fgenv.cli import bench_world
 from fgenv.cli.options import Json, Seed
 
+app = typer.Typer(
+    name="bench",
+    help="Race fgenv against other collision libraries. Each race has options of its own, "
+    "--seed and --json among them: fgenv bench pairs --help, fgenv bench world --help.",
+    rich_markup_mode="rich",
+    no_args_is_help=True,
+)
+app.command()(bench_world.world)
 
-class Race(StrEnum):
-    """What to measure."""
 
-    PAIRS = "pairs"
-
-
+@app.command("pairs")
 def bench(
-    race: Annotated[Race, typer.Argument(help="pairs: mesh against mesh, query by query.")],
-    pairs: Annotated[
+    which: Annotated[
         str, typer.Option("--pairs", help="all, quick, or part of a pair's name.")
     ] = "all",
     peers: Annotated[
@@ -53,7 +56,7 @@ def bench(
     from fgenv.bench.report import NOTE, peer_table, plot_times, ratio_table
 
     console = Console(stderr=as_json)
-    chosen(pairs)  # a wrong name is told before anything is printed
+    chosen(which)  # a wrong name is told before anything is printed
     names = selected(peers)
     versions = {name: peer(name).version for name in names}
     about = machine()
@@ -63,7 +66,7 @@ def bench(
     records = []
     with console.status("loading meshes, drawing poses") as status:
         for record in bench_pairs(
-            which=pairs, peers=names, poses=poses, seed=seed, near=near, threads=threads
+            which=which, peers=names, poses=poses, seed=seed, near=near, threads=threads
         ):
             records.append(record)
             console.print(peer_table(record))

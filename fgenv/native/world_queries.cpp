@@ -66,7 +66,7 @@ Clearance World::clearance(BodyId id, const Rigid& pose, double time) const {
     const Body& robot = body(id);
     Clearance best;
     double squared = HUGE_VAL;
-    float bound = HUGE_VALF;
+    float bound = float_bound(squared);  // not infinite: so are the keys of lanes without a body
     int64_t n = 0;
     for (BodyId part_id : robot.parts) {
         const Body& part = body(part_id);

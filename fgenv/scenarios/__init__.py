@@ -1,15 +1,6 @@
-"""Scenes of bodies with shapes, and the masks that a motion sets in them."""
+"""Scenes: a world of bodies, and a mover with a start and a goal."""
 
-from fgenv.scenarios.body import Body, Scene
-from fgenv.scenarios.masks import clear_masks, motion_box, must_test, set_masks
+from fgenv.scenarios.scene import Scene, bounds, in_contact
 from fgenv.scenarios.three_tanks import three_tanks
 
-__all__ = [
-    "Body",
-    "Scene",
-    "clear_masks",
-    "motion_box",
-    "must_test",
-    "set_masks",
-    "three_tanks",
-]
+__all__ = ["Scene", "bounds", "in_contact", "three_tanks"]

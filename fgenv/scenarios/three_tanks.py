@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fgenv.collision import Shape, collide
-from fgenv.scenarios.body import Body, Scene
+from fgenv.collision import Shape, World
 from fgenv.scenarios.planar import Floats, as_poses
+from fgenv.scenarios.scene import Scene, in_contact
 from fgenv.scenarios.solids import mobile_robot, tank
 
 START = (0.0, 0.0, float(np.arctan2(5.0, 8.0)))
@@ -31,18 +31,21 @@ def three_tanks(
     """
     shape = _builtin(method) if mesh is None else Shape.load(mesh, scale=scale, method=method)
     height = 0.0 if mesh is None else -float(shape.vertices[:, 2].min())
-    mover = Body(0, "robot", shape, START, height, own_bit=1)
-    scene = Scene("three_tanks", mover, _tanks(method), START, GOAL)
+    world = World()
+    robot = world.add(shape, as_poses(START, height), name="robot")
+    for name, place, radius, tall, nozzle in TANKS:
+        body = tank(radius, tall, np.deg2rad(nozzle))
+        stands = as_poses((*place, 0.0))
+        world.add(Shape(body.vertices, body.faces, method=method, name=name), stands, name=name)
     size = np.ptp(shape.vertices, axis=0)
     if size.max() > 6.0:
         raise ValueError(_too_big(mesh, size, "is too long for this scene"))
-    for end, place in (("start", START), ("goal", GOAL)):
-        pose = as_poses(place, height)
-        hit = [b.name for b in scene.obstacles if collide(shape, pose, b.shape, b.pose)]
+    for end, at in (("start", START), ("goal", GOAL)):
+        hit = in_contact(world, robot, as_poses(at, height))
         if hit:
-            why = f"collides with {' and '.join(hit)} at its {end} ({place[0]:g}, {place[1]:g})"
+            why = f"collides with {' and '.join(hit)} at its {end} ({at[0]:g}, {at[1]:g})"
             raise ValueError(_too_big(mesh, size, why))
-    return scene
+    return Scene("three_tanks", world, robot, START, GOAL, height)
 
 
 def _too_big(mesh: str | Path | None, size: Floats, why: str) -> str:
@@ -53,12 +56,3 @@ def _too_big(mesh: str | Path | None, size: Floats, why: str) -> str:
 def _builtin(method: str) -> Shape:
     mesh = mobile_robot()
     return Shape(mesh.vertices, mesh.faces, method=method, name="robot")
-
-
-def _tanks(method: str) -> list[Body]:
-    bodies = []
-    for number, (name, place, radius, height, nozzle) in enumerate(TANKS, start=1):
-        mesh = tank(radius, height, np.deg2rad(nozzle))
-        shape = Shape(mesh.vertices, mesh.faces, method=method, name=name)
-        bodies.append(Body(number, name, shape, (*place, 0.0)))
-    return bodies

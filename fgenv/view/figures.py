@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from fgenv.agents import Experiment, Hit, PathFollower
+from fgenv.agents.events import Configuration
 from fgenv.collision import FeatureGraph, Shape
-from fgenv.scenarios import Body
-from fgenv.scenarios.planar import as_poses
+from fgenv.collision.world import Record
+from fgenv.scenarios import Scene, bounds
 from fgenv.view.camera import Camera
 from fgenv.view.layout import beside, captioned
 from fgenv.view.palette import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, STEEL, VERMILION, Color
@@ -38,7 +39,8 @@ def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
 def feature_points(experiment: Experiment) -> Image.Image:
     """Figure 3: the published feature points on the robot and on tank 2."""
     panels, counts = [], []
-    for body in (experiment.scene.mover, experiment.scene.obstacles[1]):
+    robot, _, tank, _ = experiment.scene.records
+    for body in (robot, tank):
         graph = _graph(body, "loop")
         picture = _alone(body)
         picture.points(placed(graph.points, body.pose), VERMILION, radius=2.2)
@@ -50,7 +52,7 @@ def feature_points(experiment: Experiment) -> Image.Image:
 
 def feature_graph(experiment: Experiment) -> Image.Image:
     """Figure 4: the robot's graph as published, and the lossless one that decides here."""
-    body = experiment.scene.mover
+    body = experiment.scene.records[0]
     cycle, exact = _graph(body, "loop"), _graph(body, "exact")
     left, right = _alone(body, ghost=True), _alone(body)
     left.segments(_edges(cycle, body), VERMILION, width=0.8, hidden=0.6)
@@ -67,8 +69,8 @@ def feature_graph(experiment: Experiment) -> Image.Image:
 def motion_box(experiment: Experiment) -> Image.Image:
     """Figure 5: the straight path, its motion box, and the masks that it sets."""
     scene, masks = experiment.scene, experiment.journey.drives[0].masks
-    low, high = masks.motion_box
-    ghosts = _ghosts(scene.mover, masks.path, 8)
+    low, high = masks.motion_boxes[0]  # the path has one leg
+    ghosts = _ghosts(scene, masks.path, 8)
     corners = low + CORNERS * (high - low)
     hull = Shape(corners, _BOX_FACES)
     haze = Solid(hull, np.eye(4), PURPLE, opacity=0.13)
@@ -87,12 +89,12 @@ def motion_box(experiment: Experiment) -> Image.Image:
 def start_and_goal(experiment: Experiment) -> Image.Image:
     """Figure 7: (a) before the motion, (b) after it, with the way that was driven."""
     scene, drives = experiment.scene, experiment.journey.drives
-    ends = scene.start, scene.mover.configuration
+    ends = scene.start, _end(experiment)
     panels = []
     for configuration, name in zip(ends, ("(a) start", "(b) goal"), strict=True):
         bodies = _bodies(experiment, configuration)
         passed = drives[-1] if name == "(b) goal" and len(drives) > 1 else None
-        ghosts = [] if passed is None else _ghosts(scene.mover, passed.driven, 6)
+        ghosts = [] if passed is None else _ghosts(scene, passed.driven, 6)
         picture = stage(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
         if name == "(a) start":
             picture.polyline(_on_floor(scene.straight_path), BLUE, width=2, hidden=0.4)
@@ -112,9 +114,9 @@ def start_and_goal(experiment: Experiment) -> Image.Image:
 
 def collision(experiment: Experiment) -> Image.Image:
     """Figure 8: the moment of the collision, and its feature edge and face from near."""
-    scene, hit = experiment.scene, experiment.journey.drives[0].hit
+    hit = experiment.journey.drives[0].hit
     if hit is None:
-        picture = stage(_bodies(experiment, scene.mover.configuration), _overview(*PANEL), {})
+        picture = stage(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
         return captioned(picture.image(), "Figure 8. Collision", "None was met")
     bodies, colors = _bodies(experiment, hit.after), {hit.mover: ORANGE, hit.body: VERMILION}
     wide = stage(bodies, _overview(*PANEL), colors)
@@ -131,7 +133,7 @@ def collision(experiment: Experiment) -> Image.Image:
     return captioned(beside([wide.image(), near.image()]), "Figure 8. Collision", text)
 
 
-def _near(bodies: list[Body], hit: Hit, colors: dict[str, Color]) -> Picture:
+def _near(bodies: list[Record], hit: Hit, colors: dict[str, Color]) -> Picture:
     solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
     point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
     camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
@@ -146,9 +148,9 @@ def _near(bodies: list[Body], hit: Hit, colors: dict[str, Color]) -> Picture:
     return picture
 
 
-def _alone(body: Body, ghost: bool = False) -> Picture:
+def _alone(body: Record, ghost: bool = False) -> Picture:
     camera = portrait(body, *PANEL)
-    size = float(np.ptp(body.bounds, axis=0).max())
+    size = float(np.ptp(bounds(body), axis=0).max())
     grid = float(10.0 ** np.floor(np.log10(size)) / 4)
     if not ghost:
         return stage([body], camera, {body.name: STEEL}, grid=grid)
@@ -156,36 +158,43 @@ def _alone(body: Body, ghost: bool = False) -> Picture:
     return stage([], camera, {}, extra=[solid], grid=grid)
 
 
-def _graph(body: Body, method: str) -> FeatureGraph:
+def _graph(body: Record, method: str) -> FeatureGraph:
     return FeatureGraph(body.shape.vertices, body.shape.faces, method=method)
 
 
-def _edges(graph: FeatureGraph, body: Body) -> Floats:
+def _edges(graph: FeatureGraph, body: Record) -> Floats:
     return placed(graph.points[graph.edges], body.pose)
 
 
-def _bodies(experiment: Experiment, at: tuple[float, float, float]) -> list[Body]:
-    scene = experiment.scene
-    return [replace(scene.mover, configuration=at), *scene.obstacles]
+def _end(experiment: Experiment) -> Configuration:
+    """Where the mover came to stand."""
+    x, y, yaw = experiment.journey.drives[-1].driven[-1].tolist()
+    return x, y, yaw
+
+
+def _bodies(experiment: Experiment, at: Configuration) -> list[Record]:
+    mover, *others = experiment.scene.records
+    return [replace(mover, pose=experiment.scene.poses(at)), *others]
 
 
 def _overview(width: int, height: int) -> Camera:
     return Camera((-2.0, -7.6, 6.6), (4.0, 3.1, 0.2), 0.6, width, height)
 
 
-def _ghosts(mover: Body, path: Floats, count: int) -> list[Solid]:
+def _ghosts(scene: Scene, path: Floats, count: int) -> list[Solid]:
     """The mover, pale, at so many places spread along a path."""
     follower = PathFollower(path, speed=1.0, radius=0.0)
-    poses = as_poses(follower.at(np.linspace(0, follower.duration, count + 1)[1:]), mover.height)
-    return [Solid(mover.shape, pose, ORANGE, opacity=0.3) for pose in poses]
+    poses = scene.poses(follower.at(np.linspace(0, follower.duration, count + 1)[1:]))
+    shape = scene.world.record(scene.mover).shape
+    return [Solid(shape, pose, ORANGE, opacity=0.3) for pose in poses]
 
 
 def _on_floor(path: Floats) -> Floats:
     return np.column_stack([path[:, :2], np.full(len(path), LIFT)])
 
 
-def _above(body: Body) -> Floats:
-    low, high = body.bounds
+def _above(body: Record) -> Floats:
+    low, high = bounds(body)
     middle = (low + high) / 2
     return np.array([middle[0], middle[1], high[2] + 0.3])
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.collision import FeatureGraph, Shape
-from fgenv.scenarios import Body
+from fgenv.collision.world import Record
+from fgenv.scenarios import bounds
 from fgenv.view.camera import Camera
 from fgenv.view.palette import INK, STEEL, Color
 from fgenv.view.picture import Picture
@@ -28,7 +29,7 @@ def outline(shape: Shape) -> Floats:
 
 
 def stage(
-    bodies: Sequence[Body],
+    bodies: Sequence[Record],
     camera: Camera,
     colors: Mapping[str, Color],
     *,
@@ -49,9 +50,9 @@ def stage(
     return picture
 
 
-def portrait(body: Body, width: int, height: int, azimuth: float = -0.85) -> Camera:
+def portrait(body: Record, width: int, height: int, azimuth: float = -0.85) -> Camera:
     """A camera that sees the whole body from `azimuth` (rad about z), a little from above."""
-    low, high = body.bounds
+    low, high = bounds(body)
     points = placed(body.shape.vertices, body.pose)
     border, frame = 0.06 * height, np.array([width, height])
     for distance in float(np.linalg.norm(high - low)) * np.linspace(1.0, 4.0, 61):

@@ -1,0 +1,1 @@
+"""``fgenv bench world``: many bodies, movers among them, motions; fgenv against others."""

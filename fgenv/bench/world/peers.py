@@ -1,0 +1,233 @@
+"""All colliding pairs among many bodies, as each library lets a user of its Python ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, Protocol
+
+import numpy as np
+
+from fgenv.bench.data import Mesh
+from fgenv.bench.poses import Poses
+
+Pairs = set[tuple[int, int]]  # indices of bodies, rising
+
+
+class Bodies(Protocol):
+    """Bodies of one mesh in one library."""
+
+    def step(self, poses: Poses) -> object:
+        """Move all bodies to poses (n, 4, 4) and find all pairs that collide: what is timed."""
+
+    def pairs(self, poses: Poses) -> Pairs:
+        """Those pairs, in a form to compare."""
+
+
+@dataclass(frozen=True)
+class Manager:
+    """A library's way to hold many bodies; `truth`: what its verdict is about."""
+
+    name: str
+    needs: str  # module
+    truth: str
+    make: Callable[[Mesh, Poses], Bodies]
+
+
+class FgenvBodies:
+    """`set_pose` of all, `contacts`, one thread."""
+
+    def __init__(self, mesh: Mesh, poses: Poses) -> None:
+        from fgenv.bench.peers.fgenv_ import PEER
+        from fgenv.collision import World
+
+        self.shape = PEER.build(mesh)
+        self.world = World()
+        self.ids = np.array([self.world.add(self.shape, pose) for pose in poses])
+
+    def step(self, poses: Poses) -> object:
+        self.world.set_pose(self.ids, poses)
+        return self.world.contacts(threads=1)
+
+    def pairs(self, poses: Poses) -> Pairs:
+        self.world.set_pose(self.ids, poses)
+        index = {int(body): k for k, body in enumerate(self.ids)}
+        return {(index[int(a)], index[int(b)]) for a, b in self.world.contacts(threads=1)}
+
+
+class FclBodies:
+    """DynamicAABBTreeCollisionManager; a callback asks each pair and counts those that collide."""
+
+    def __init__(self, mesh: Mesh, poses: Poses) -> None:
+        import fcl
+
+        from fgenv.bench.peers.fcl_ import PEER
+
+        self.fcl, model = fcl, PEER.build(mesh)
+        self.objects = [
+            fcl.CollisionObject(model, fcl.Transform(T[:3, :3], T[:3, 3])) for T in poses
+        ]
+        self.manager = fcl.DynamicAABBTreeCollisionManager()
+        self.manager.registerObjects(self.objects)
+        self.manager.setup()
+        self.request = fcl.CollisionRequest()
+
+    def place(self, poses: Poses) -> None:
+        make = self.fcl.Transform
+        for body, turn, shift in zip(self.objects, poses[:, :3, :3], poses[:, :3, 3], strict=True):
+            body.setTransform(make(turn, shift))
+        self.manager.update()
+
+    def step(self, poses: Poses) -> object:
+        self.place(poses)
+        collide, request = self.fcl.collide, self.request
+
+        def met(a: Any, b: Any, count: list[int]) -> bool:
+            if collide(a, b, request):
+                count[0] += 1
+            return False
+
+        count = [0]
+        self.manager.collide(count, met)
+        return count[0]
+
+    def pairs(self, poses: Poses) -> Pairs:
+        """Bodies that share a model are told apart by where they are."""
+        self.place(poses)
+        index = {body.getTranslation().tobytes(): k for k, body in enumerate(self.objects)}
+        found: Pairs = set()
+
+        def met(a: Any, b: Any, _: object) -> bool:
+            if self.fcl.collide(a, b, self.request):
+                i, j = (index[body.getTranslation().tobytes()] for body in (a, b))
+                found.add((min(i, j), max(i, j)))
+            return False
+
+        self.manager.collide(None, met)
+        return found
+
+
+class CoalBodies:
+    """Its Python has neither callbacks nor the pairs that the manager collects: all contacts of
+    all pairs are the only way to them. Models are told apart by their addresses."""
+
+    def __init__(self, mesh: Mesh, poses: Poses) -> None:
+        import coal
+
+        from fgenv.bench.peers.coal_ import PEER
+
+        model = PEER.build(mesh)
+        self.models = [model.clone() for _ in poses]
+        self.objects = [coal.CollisionObject(model) for model in self.models]
+        self.manager = coal.DynamicAABBTreeCollisionManager()
+        for body, T in zip(self.objects, poses, strict=True):
+            body.setTransform(coal.Transform3s(T[:3, :3], T[:3, 3]))
+            body.computeAABB()
+            self.manager.registerObject(body)
+        self.manager.setup()
+        self.make = coal.Transform3s
+        self.callback = coal.CollisionCallBackDefault()
+        self.callback.data.request.num_max_contacts = 10**9
+
+    def step(self, poses: Poses) -> Any:
+        make = self.make
+        for body, turn, shift in zip(self.objects, poses[:, :3, :3], poses[:, :3, 3], strict=True):
+            body.setTransform(make(turn, shift))
+            body.computeAABB()
+        self.manager.update()
+        self.callback.data.clear()
+        self.callback.data.request.num_max_contacts = 10**9
+        self.manager.collide(self.callback)
+        return self.callback.data.result
+
+    def pairs(self, poses: Poses) -> Pairs:
+        index = {model.id(): k for k, model in enumerate(self.models)}
+        met = [(index[c.o1.id()], index[c.o2.id()]) for c in self.step(poses).getContacts()]
+        return {(min(pair), max(pair)) for pair in met}
+
+
+class TrimeshBodies:
+    """CollisionManager (python-fcl below): `set_transform` of all, `in_collision_internal`."""
+
+    def __init__(self, mesh: Mesh, poses: Poses) -> None:
+        import trimesh
+
+        body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+        self.manager = trimesh.collision.CollisionManager()
+        for k, pose in enumerate(poses):
+            self.manager.add_object(str(k), body, pose)
+        self.names = [str(k) for k in range(len(poses))]
+
+    def step(self, poses: Poses) -> Any:
+        for name, pose in zip(self.names, poses, strict=True):
+            self.manager.set_transform(name, pose)
+        return self.manager.in_collision_internal(return_names=True)[1]
+
+    def pairs(self, poses: Poses) -> Pairs:
+        met = [(int(a), int(b)) for a, b in self.step(poses)]
+        return {(min(pair), max(pair)) for pair in met}
+
+
+class MujocoBodies:
+    """Free bodies: `mj_kinematics`, `mj_collision`. Hulls for meshes."""
+
+    def __init__(self, mesh: Mesh, poses: Poses) -> None:
+        import mujoco
+
+        self.mujoco, spec = mujoco, mujoco.MjSpec()
+        asset = spec.add_mesh(name="mesh", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
+        asset.uservert, asset.userface = mesh.vertices.ravel(), mesh.faces.ravel()
+        for k in range(len(poses)):
+            body = spec.worldbody.add_body(name=str(k))
+            body.add_freejoint()
+            body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh")
+        spec.memory = (1 << 20) + 40_000 * len(poses) + 4 * len(poses) ** 2  # contacts, sorting
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+
+    def step(self, poses: Poses) -> Any:
+        joints = self.data.qpos.reshape(-1, 7)
+        joints[:, :3] = poses[:, :3, 3]
+        joints[:, 3:] = quaternions(poses[:, :3, :3])
+        self.mujoco.mj_kinematics(self.model, self.data)
+        self.mujoco.mj_collision(self.model, self.data)
+        return self.data.contact.geom
+
+    def pairs(self, poses: Poses) -> Pairs:
+        met = np.sort(self.step(poses), axis=1)
+        return {(int(a), int(b)) for a, b in met}
+
+
+def quaternions(turns: Poses) -> Poses:
+    """Quaternions (n, 4), w first, of rotations (n, 3, 3).
+
+    The dyadic product of the quaternion with itself is a matrix; its longest column is taken.
+    """
+    t = turns
+    a, b, c = t[:, 2, 1], t[:, 0, 2], t[:, 1, 0]
+    d, e, f = t[:, 1, 2], t[:, 2, 0], t[:, 0, 1]
+    x, y, z = t[:, 0, 0], t[:, 1, 1], t[:, 2, 2]
+    rows = [
+        [1 + x + y + z, a - d, b - e, c - f],
+        [a - d, 1 + x - y - z, c + f, b + e],
+        [b - e, c + f, 1 - x + y - z, a + d],
+        [c - f, b + e, a + d, 1 - x - y + z],
+    ]
+    dyad = np.moveaxis(np.array(rows), 2, 0)
+    longest = dyad[np.arange(len(t)), np.diagonal(dyad, axis1=1, axis2=2).argmax(axis=1)]
+    return np.asarray(longest / np.linalg.norm(longest, axis=1, keepdims=True))
+
+
+MANAGERS = (
+    Manager("fgenv", "fgenv", "meshes", FgenvBodies),
+    Manager("python-fcl", "fcl", "meshes", FclBodies),
+    Manager("coal", "coal", "meshes", CoalBodies),
+    Manager("trimesh", "fcl", "meshes", TrimeshBodies),
+    Manager("mujoco", "mujoco", "hulls", MujocoBodies),
+)
+
+
+def managers() -> list[Manager]:
+    """Those whose library is installed, fgenv first."""
+    return [manager for manager in MANAGERS if find_spec(manager.needs) is not None]
