@@ -470,7 +470,7 @@ FAULTS: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("make", "message"), FAULTS, ids=[m for _, m in FAULTS])
-def test_a_model_that_makes_no_sense_is_refused(make: Any, message: str) -> None:
+def test_a_model_that_makes_no_sense_is_an_error(make: Any, message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         make()
 
@@ -502,7 +502,7 @@ def test_half_a_turn_of_what_goes_round_is_no_pose() -> None:
         ([[0, 0, 0], [0]], "q: rows of different lengths"),
     ],
 )
-def test_a_configuration_that_makes_no_sense_is_refused(q: Any, message: str) -> None:
+def test_a_configuration_that_makes_no_sense_is_an_error(q: Any, message: str) -> None:
     robot = Robot("cart", [Link("body")], base="planar")
     with pytest.raises((ValueError, TypeError), match=message):
         robot.forward(q)
