@@ -6,12 +6,13 @@
 
 sanitize() {
   local compiler=${CXX:-c++} asan stdcpp
-  local skipped='costs or motions_are_equal or refused or kept_waiting or goes_on_while'
+  local skipped='costs or same_bits or motions_are_equal or refused or kept_waiting'
+  skipped+=' or goes_on_while'
   asan=$("$compiler" -print-file-name=libasan.so)
   stdcpp=$("$compiler" -print-file-name=libstdc++.so.6)
   [ -e "$asan" ] || { echo "$compiler has no libasan.so: use GCC (CXX=g++)" >&2; return 1; }
   python3 -m venv .venv-asan &&
-    .venv-asan/bin/pip install -q '.[bench,dev]' \
+    .venv-asan/bin/pip install -q '.[bench,dev,urdf]' \
       --config-settings=build-dir=build/sanitize \
       --config-settings=cmake.build-type=Debug \
       --config-settings=install.strip=false \
@@ -21,6 +22,6 @@ sanitize() {
       ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
       PYTHONMALLOC=malloc PYTHONSAFEPATH=1 \
       .venv-asan/bin/pytest -q -k "not ($skipped)" \
-      tests/test_{bad_input,bad_input_world,edge_cases,feature_graph,fuzz,masks,motion,queries}.py \
-      tests/test_{world,world_machine,world_threads}.py
+      tests/test_{bad_input,bad_input_world,edge_cases,feature_graph,fuzz,link_motion,masks}.py \
+      tests/test_{motion,queries,robots,world,world_machine,world_threads}.py
 }

@@ -2,7 +2,7 @@
 fgenv's native core. Use fgenv.collision, which documents what is here.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from numpy import bool_, float64, int32, int64, uint8
@@ -171,3 +171,20 @@ class World:
     def nbytes(self) -> int: ...
 
     def __len__(self) -> int: ...
+
+class Robot:
+    def __init__(self, kinds: Sequence[int], parents: Sequence[int], origins: ArrayLike, axes: ArrayLike, firsts: Sequence[int], multipliers: Sequence[float], offsets: Sequence[float], names: Sequence[str]) -> None: ...
+
+    def forward(self, q: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+    def distance(self, q0: ArrayLike, q1: ArrayLike, weights: ArrayLike) -> Any: ...
+
+    def link_motion(self, link: int, q0: ArrayLike, q1: ArrayLike, t: ArrayLike, offset: ArrayLike | None, begin: float, rate: float, threads: int | None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]: ...
+
+def sin_cos(angles: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
+    """Sine and cosine, the same bits on every machine."""
+
+def arc_tangent(y: float, x: float) -> float:
+    """Angle of the point (x, y), the same bits on every machine."""

@@ -37,20 +37,6 @@ Array<T> through_numpy(nb::handle value, const char* name, const char* kinds, co
     return wrap(nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array));
 }
 
-std::string index_text(const Dims& dims, int64_t flat) {
-    if (dims.empty()) return "";
-    std::string text;
-    for (size_t i = dims.size(); i-- > 0; flat /= dims[i])
-        text = std::to_string(flat % dims[i]) + (text.empty() ? "" : ", ") + text;
-    return "[" + text + "]";
-}
-
-std::string number(double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", x);
-    return text;
-}
-
 // What is wrong with a pose; nullptr if nothing.
 const char* fault(const double* m, double& value) {
     for (int i = 0; i < 16; ++i)
@@ -79,6 +65,20 @@ std::string to_string(const Dims& dims) {
     std::string text = "(";
     for (size_t i = 0; i < dims.size(); ++i) text += (i ? ", " : "") + std::to_string(dims[i]);
     return text + (dims.size() == 1 ? ",)" : ")");
+}
+
+std::string index_text(const Dims& dims, int64_t flat) {
+    if (dims.empty()) return "";
+    std::string text;
+    for (size_t i = dims.size(); i-- > 0; flat /= dims[i])
+        text = std::to_string(flat % dims[i]) + (text.empty() ? "" : ", ") + text;
+    return "[" + text + "]";
+}
+
+std::string number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", x);
+    return text;
 }
 
 Array<double> doubles(nb::handle value, const char* name) {

@@ -18,6 +18,8 @@ namespace nb = nanobind;
 using Dims = std::vector<int64_t>;
 
 std::string to_string(const Dims& dims);
+std::string index_text(const Dims& dims, int64_t flat);  // [i, j]; nothing for a single value
+std::string number(double x);
 
 // A C-contiguous array of doubles or of 64-bit indices, kept alive.
 template <class T>
@@ -43,6 +45,16 @@ struct Poses {
     bool single() const { return dims.empty(); }
 };
 Poses poses(nb::handle value, const char* name);
+
+// Into a row of an array (..., 4, 4).
+static inline void write_pose(const Rigid& pose, double* m) {
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) m[4 * r + c] = pose.r[r][c];
+        m[4 * r + 3] = pose.t[r];
+    }
+    m[12] = m[13] = m[14] = 0;
+    m[15] = 1;
+}
 
 // Broadcast of leading dimensions as NumPy does it.
 struct Broadcast {

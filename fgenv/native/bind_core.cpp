@@ -10,4 +10,5 @@ NB_MODULE(_core, m) {
     fgenv::bind_shape(m);
     fgenv::bind_queries(m);
     fgenv::bind_world(m);
+    fgenv::bind_robot(m);
 }

@@ -2,7 +2,7 @@
 # one value for one pair of poses and an array for many: Any, as is usual in such a case.
 
 fgenv._core.__prefix__:
-    \from collections.abc import Iterable
+    \from collections.abc import Iterable, Sequence
     \from typing import Any
     \from numpy import bool_, float64, int32, int64, uint8
     \from numpy.typing import ArrayLike, NDArray
@@ -118,3 +118,22 @@ fgenv._core.World.record$:
 
 fgenv._core.World.ids$:
     def ids(self) -> NDArray[int32]: ...
+
+fgenv._core.Robot.__init__$:
+    def __init__(self, kinds: Sequence[int], parents: Sequence[int], origins: ArrayLike, axes: ArrayLike, firsts: Sequence[int], multipliers: Sequence[float], offsets: Sequence[float], names: Sequence[str]) -> None: ...
+
+fgenv._core.Robot.forward$:
+    def forward(self, q: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+fgenv._core.Robot.interpolate$:
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+fgenv._core.Robot.distance$:
+    def distance(self, q0: ArrayLike, q1: ArrayLike, weights: ArrayLike) -> Any: ...
+
+fgenv._core.Robot.link_motion$:
+    def link_motion(self, link: int, q0: ArrayLike, q1: ArrayLike, t: ArrayLike, offset: ArrayLike | None, begin: float, rate: float, threads: int | None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]: ...
+
+fgenv._core.sin_cos$:
+    def sin_cos(angles: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
+        \doc

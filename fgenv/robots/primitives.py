@@ -1,0 +1,136 @@
+"""Boxes, cylinders and spheres as meshes that lie outside of them.
+
+A verdict 'free' must not be wrong, so a round form is enclosed, never inscribed. All lengths are
+metres, all meshes closed. Sines come from the native core: the same mesh on every machine.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fgenv import _core
+from fgenv.collision import Shape
+
+from .parts import number_of
+
+ERROR = 1e-3  # metres
+FEWEST_SIDES, MOST_SIDES = 8, 256  # of a cylinder
+MOST_HALVINGS = 5  # of an icosahedron's edges: 80 to 20,480 faces
+OUTWARD = 1 + 1e-12  # more than rounding takes back
+
+Vertices = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+
+def box(size: ArrayLike, name: str = "box", **options: Any) -> Shape:
+    """A box with edges (3,) along the axes, its middle at the origin; `options` of Shape."""
+    edges = np.array(size, dtype=np.float64)
+    if edges.shape != (3,) or not (np.isfinite(edges).all() and (edges > 0).all()):
+        raise ValueError(f"{name}: size {size!r}, wanted three lengths over 0")
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
+    return Shape(0.5 * edges * corners, faces, name=name, **options)
+
+
+def cylinder(
+    radius: float, length: float, error: float = ERROR, name: str = "cylinder", **options: Any
+) -> tuple[Shape, float]:
+    """A prism around a cylinder about z, its middle at the origin; and how far it sticks out.
+
+    Args:
+        radius, length: over 0.
+        error: how far it may stick out; with 256 sides it is as round as it gets.
+        options: of Shape.
+    """
+    radius, length = _length(radius, f"{name}: radius"), _length(length, f"{name}: length")
+    error = _length(error, f"{name}: error")
+    for sides in range(FEWEST_SIDES, MOST_SIDES + 1, 4):
+        _, cosine = _core.sin_cos(math.pi / sides)
+        outer = radius / float(cosine) * OUTWARD
+        if outer - radius <= error:
+            break
+    sines, cosines = _core.sin_cos(2 * math.pi / sides * np.arange(sides))
+    ring = np.column_stack([outer * cosines, outer * sines])
+    half = np.full((sides, 1), 0.5 * length)
+    here, there = np.arange(sides), np.roll(np.arange(sides), -1)
+    fan = np.arange(1, sides - 1)
+    faces = [
+        np.column_stack([here, there, there + sides]),
+        np.column_stack([here, there + sides, here + sides]),
+        np.column_stack([0 * fan, fan + 1, fan]),
+        np.column_stack([0 * fan, fan, fan + 1]) + sides,
+    ]
+    vertices = np.vstack([np.hstack([ring, -half]), np.hstack([ring, half])])
+    return Shape(vertices, np.vstack(faces), name=name, **options), outer - radius
+
+
+def sphere(
+    radius: float, error: float = ERROR, name: str = "sphere", **options: Any
+) -> tuple[Shape, float]:
+    """A polyhedron around a sphere at the origin; and how far it sticks out.
+
+    Args:
+        radius: over 0.
+        error: how far it may stick out; with 20,480 faces it is as round as it gets.
+        options: of Shape.
+    """
+    radius, error = _length(radius, f"{name}: radius"), _length(error, f"{name}: error")
+    vertices, faces = _icosahedron()
+    for _ in range(MOST_HALVINGS):
+        vertices, faces = _halved(vertices, faces)
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        nearest = np.min(_dot(normals, a) / np.sqrt(_dot(normals, normals)))
+        outer = radius / float(nearest) * OUTWARD
+        if outer - radius <= error:
+            break
+    return Shape(outer * vertices, faces, name=name, **options), outer - radius
+
+
+def _length(value: float, name: str) -> float:
+    length = number_of(value, name, finite=True)
+    if length <= 0:
+        raise ValueError(f"{name}: {value!r}, wanted metres, over 0")
+    return length
+
+
+def _dot(a: Vertices, b: Vertices) -> NDArray[np.float64]:
+    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+
+
+def _on_sphere(points: Vertices) -> Vertices:
+    return points / np.sqrt(_dot(points, points))[:, None]
+
+
+def _icosahedron() -> tuple[Vertices, Faces]:
+    g = (1 + math.sqrt(5)) / 2
+    corners: list[tuple[float, ...]] = [
+        (-1, g, 0),
+        (1, g, 0),
+        (-1, -g, 0),
+        (1, -g, 0),
+        (0, -1, g),
+        (0, 1, g),
+    ]
+    corners += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4)]
+    faces += [(11, 10, 2), (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8)]
+    faces += [(3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    return _on_sphere(np.array(corners, dtype=np.float64)), np.array(faces)
+
+
+def _halved(vertices: Vertices, faces: Faces) -> tuple[Vertices, Faces]:
+    """Every face in four, the new vertices on the sphere."""
+    n = len(vertices)
+    a, b, c = faces.T
+    edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    pairs, where = np.unique(edges, axis=0, return_inverse=True)
+    ab, bc, ca = n + where.reshape(3, -1)
+    middles = _on_sphere(vertices[pairs[:, 0]] + vertices[pairs[:, 1]])
+    quarters = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    return np.vstack([vertices, middles]), np.vstack([np.column_stack(q) for q in quarters])
