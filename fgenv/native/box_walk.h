@@ -25,7 +25,7 @@ static inline void walk_nearest(const PackedBoxes& boxes, const float& bound, co
         }
         const F8 keys = key(boxes.levels[e.level][e.index]);
         const int first = top;
-        for (uint32_t m = bits(keys <= splat(bound)); m; m &= m - 1) {
+        for (uint32_t m = bits((keys <= splat(bound)) & (keys < splat(HUGE_VALF))); m; m &= m - 1) {
             const int k = __builtin_ctz(m);
             const Entry next{keys[k], e.level - 1, 8 * e.index + k};
             int at = top++;

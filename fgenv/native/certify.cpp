@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "edge_face.h"
 #include "kernels.h"
@@ -9,12 +10,15 @@
 namespace fgenv {
 namespace {
 
-constexpr int max_steps = 300;       // of one pair of faces
-constexpr int max_pairs = 512;       // of faces, taken one by one
-constexpr int enough_pairs = 24;     // more are worth another look at half the time
-constexpr int max_halvings = 24;
-constexpr double askew = 1.0001;     // poses may be off orthonormal by 1e-5
-constexpr double rounding = 4e-15;   // of the coordinates: more than placing a corner twice is off by
+constexpr int max_steps = 300;     // of one pair of faces
+constexpr int some_pairs = 256;    // of faces, and
+constexpr int some_boxes = 128;    // pairs of boxes opened: where there are more, half the time is tried,
+constexpr int max_halvings = 5;    // up to so many times; then
+constexpr int all_pairs = 1 << 16;  // are looked at
+constexpr int few_pairs = 4;       // are taken one by one, without halving their time
+constexpr int max_splits = 10;     // or more of them after so many times
+constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
+constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
 
 using Corners = std::array<Vec3, 3>;
 
@@ -24,12 +28,13 @@ Corners corners(const Shape& s, int32_t face) {
 }
 
 struct Instant {
+    double t;
     Rigid a, b;
     Velocity va, vb;
 };
 
 Instant instant(const Moving& a, const Moving& b, double t) {
-    return {a.motion->pose(t), b.motion->pose(t), a.motion->velocity(t), b.motion->velocity(t)};
+    return {t, a.motion->pose(t), b.motion->pose(t), a.motion->velocity(t), b.motion->velocity(t)};
 }
 
 Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half, double margin) {
@@ -39,7 +44,12 @@ Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half
                            squared * acc.at_origin, squared * acc.by_radius};
     };
     return {relative(now.a, now.b), side(now.va, a.motion->acceleration()), side(now.vb, b.motion->acceleration()),
-            margin};
+            margin, 0};
+}
+
+double rounding_slack(const Instant& now, double radii) {
+    return rounding * (norm(origin(now.a) - origin(now.b)) + radii) +
+           0x1p-51 * (norm(origin(now.a)) + norm(origin(now.b)));
 }
 
 // Two faces moving. Corners are placed relative to b's origin, along the axes of the world.
@@ -55,29 +65,23 @@ public:
         acceleration_ = at_a.at_origin + at_a.by_radius * radius_a_ + at_b.at_origin + at_b.by_radius * radius_b_;
     }
 
-    // How long the faces stay apart, for certain, after and before t; 0 if that can't be told.
-    struct Stay {
-        double after, before;
-    };
-    Stay stay(double t) {
+    // How long the faces stay apart after t, for certain; 0 if that can't be told.
+    double stay(double t) {
         place(t);
         const Nearest near = kernels().nearest_faces(xa_.data(), xb_.data());
         const Vec3 n = unit(near.on_b - near.on_a);
         double top = -HUGE_VAL, bottom = HUGE_VAL;  // of a's corners, of b's
-        double rise = -HUGE_VAL, sink = HUGE_VAL, fall = HUGE_VAL, climb = -HUGE_VAL;
+        double rise = -HUGE_VAL, fall = HUGE_VAL;  // the fastest of a towards b, the slowest of b away
         for (int k = 0; k < 3; ++k) {
             top = greater(top, dot(n, xa_[k]));
             bottom = lesser(bottom, dot(n, xb_[k]));
             const double ua = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
             const double ub = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
             rise = greater(rise, ua);
-            sink = lesser(sink, ua);
             fall = lesser(fall, ub);
-            climb = greater(climb, ub);
         }
         const double gap = bottom - top - settings_.margin - slack_;
-        if (!(gap > 0)) return {0, 0};
-        return {time(gap, rise - fall), time(gap, climb - sink)};
+        return gap > 0 ? time(gap, rise - fall) : 0;
     }
 
     // Whether the faces meet at t, or are nearer than the margin.
@@ -106,8 +110,7 @@ private:
             xa_[k] = centre_a_ + rotate(now_.a, fa_[k]);
             xb_[k] = rotate(now_.b, fb_[k]);
         }
-        slack_ = rounding * (norm(centre_a_) + radius_a_ + radius_b_) +
-                 0x1p-51 * (norm(origin(now_.a)) + norm(origin(now_.b)));
+        slack_ = rounding_slack(now_, radius_a_ + radius_b_);
     }
 
     // The longest t with approach t + acceleration t^2 / 2 <= gap.
@@ -130,33 +133,90 @@ public:
     Certifier(const Moving& a, const Moving& b, const CertifySettings& s, Contact& contact, int64_t& sweeps)
         : a_(a), b_(b), settings_(s), contact_(contact), sweeps_(sweeps) {}
 
-    // In the order of time, so that each stretch begins where all before it is proved free. `before`: how
-    // many pairs the stretch twice as long left.
-    void run(double lo, double hi, int halvings, int before) {
+    // In the order of time, so that each stretch begins where all before it is proved free.
+    void run(double lo, double hi, int halvings) {
         hi = lesser(hi, contact_.free_until);
         if (lo >= hi || done()) return;
-        FacePair pairs[max_pairs];
         const double middle = 0.5 * (lo + hi);
-        ++sweeps_;
         const Instant now = instant(a_, b_, middle);
-        const Sweep sweep = sweep_of(a_, b_, now, 0.5 * (hi - lo), settings_.margin);
-        const int count = kernels().sweep(*a_.shape, *b_.shape, sweep, pairs, max_pairs);
-        const bool worth_it = count > max_pairs || (count > enough_pairs && count <= 0.8 * before);
-        if (worth_it && halvings < max_halvings) {
-            if (collides(middle)) {
-                const double shown = settings_.first ? first_shown(lo, middle) : middle;
-                find(shown, shown);
-                return run(lo, shown, halvings + 1, count);
-            }
-            run(lo, middle, halvings + 1, count);
-            return run(middle, hi, halvings + 1, count);
+        const bool last = halvings == max_halvings;
+        const int capacity = last ? all_pairs : some_pairs;
+        const int count = look(now, lo, hi, capacity, last ? std::numeric_limits<int>::max() : some_boxes);
+        if (count <= capacity) return settle(0, count, now, lo, hi, 0);
+        if (last) return give_up(lo);
+        if (!contact_.found && collides(middle)) {
+            const double shown = settings_.first ? first_shown(lo, middle) : middle;
+            find(shown, shown);
+            return run(lo, shown, halvings + 1);
         }
-        if (count > max_pairs) return give_up(lo);
-        for (int i = 0; i < count && !done(); ++i) advance(pairs[i], lo, lesser(hi, contact_.free_until));
+        run(lo, middle, halvings + 1);
+        run(middle, hi, halvings + 1);
     }
 
 private:
     bool done() const { return contact_.found && !settings_.first; }
+
+    // Leaves in pairs_ the pairs of faces that may meet from lo to hi; capacity + 1 if there are more.
+    int look(const Instant& now, double lo, double hi, int capacity, int budget_of_boxes) {
+        ++sweeps_;
+        if (static_cast<int>(pairs_.size()) < capacity) pairs_.resize(capacity);
+        Sweep sweep = sweep_of(a_, b_, now, 0.5 * (hi - lo), settings_.margin);
+        sweep.budget = budget_of_boxes;
+        return kernels().sweep(*a_.shape, *b_.shape, sweep, pairs_.data(), capacity);
+    }
+
+    // Some of pairs_ from lo to hi, all at once: what is not sure to stay apart is tried again in either
+    // half, the last few one by one. What comes after them in pairs_ is room to work in.
+    void settle(int begin, int count, const Instant& now, double lo, double hi, int splits) {
+        hi = lesser(hi, contact_.free_until);
+        if (count == 0 || lo >= hi || done()) return;
+        FacePair* pairs = pairs_.data() + begin;
+        count = kernels().staying(*a_.shape, *b_.shape, moment(now, lo, hi), pairs, count);
+        if (count <= few_pairs || splits == max_splits) {
+            for (int i = 0; i < count && !done(); ++i) advance(pairs[i], lo, lesser(hi, contact_.free_until));
+            return;
+        }
+        const double middle = now.t;
+        for (int half = 0; half < 2; ++half) {
+            const double from = half ? middle : lo, to = half ? hi : middle;
+            if (static_cast<int>(pairs_.size()) < begin + 2 * count) pairs_.resize(begin + 2 * count);
+            std::copy_n(pairs_.begin() + begin, count, pairs_.begin() + begin + count);
+            settle(begin + count, count, instant(a_, b_, 0.5 * (from + to)), from, to, splits + 1);
+        }
+    }
+
+    Moment moment(const Instant& now, double lo, double hi) const {
+        const Acceleration at_a = a_.motion->acceleration(), at_b = b_.motion->acceleration();
+        Moment m{now.a, now.b, now.va.v, now.va.w, now.vb.v, now.vb.w, {at_a.at_origin, askew * at_a.by_radius},
+                 {at_b.at_origin, askew * at_b.by_radius}, (now.t - lo) * (1 + 1e-12), (hi - now.t) * (1 + 1e-12),
+                 settings_.margin, rounding_slack(now, a_.shape->radius + b_.shape->radius)};
+        for (int i = 0; i < 3; ++i) {
+            m.a.t[i] -= m.b.t[i];
+            m.b.t[i] = 0;
+        }
+        return m;
+    }
+
+    void advance(FacePair pair, double lo, double hi) {
+        FaceAdvance faces(a_, b_, pair, settings_);
+        double t = lo;
+        for (int step = 0; step < max_steps; ++step) {
+            const double after = faces.stay(t);
+            if (t + after >= hi) return;
+            t += after;
+            const double bracket = settings_.tolerance / greater(faces.speed(), 1e-300);
+            if (after > 0.25 * bracket) continue;
+            const double shown = lesser(t + 0.5 * bracket, 1);
+            if (faces.meet(shown)) return find(t, shown);
+            // Another pair that shares the corner may have shown it already.
+            if (contact_.found && contact_.shown <= t + bracket) return find(t, contact_.shown);
+            if (after == 0) break;
+        }
+        give_up(t);
+    }
+
+    void find(double free_until, double shown) { contact_ = {free_until, shown, true}; }
+    void give_up(double free_until) { find(free_until, std::numeric_limits<double>::quiet_NaN()); }
 
     // A contact with no contact shortly before it, between a free t and a colliding one: so near to where
     // it begins that few faces are left to be looked at up to there.
@@ -175,41 +235,18 @@ private:
                (m > 0 && kernels().nearest(*a_.shape, *b_.shape, pose, m * m, true).face_a >= 0);
     }
 
-    void advance(FacePair pair, double lo, double hi) {
-        FaceAdvance faces(a_, b_, pair, settings_);
-        const double middle = 0.5 * (lo + hi);
-        const FaceAdvance::Stay around = faces.stay(middle);
-        if (middle + around.after >= hi && middle - around.before <= lo) return;
-        double t = lo;
-        for (int step = 0; step < max_steps; ++step) {
-            const double after = faces.stay(t).after;
-            if (t + after >= hi) return;
-            t += after;
-            const double bracket = settings_.tolerance / greater(faces.speed(), 1e-300);
-            if (after > 0.25 * bracket) continue;
-            const double shown = lesser(t + 0.5 * bracket, 1);
-            if (faces.meet(shown)) return find(t, shown);
-            // Another pair that shares the corner may have shown it already.
-            if (contact_.found && contact_.shown <= t + bracket) return find(t, contact_.shown);
-            if (after == 0) break;
-        }
-        give_up(t);
-    }
-
-    void find(double free_until, double shown) { contact_ = {free_until, shown, true}; }
-    void give_up(double free_until) { find(free_until, std::numeric_limits<double>::quiet_NaN()); }
-
     const Moving &a_, &b_;
     const CertifySettings& settings_;
     Contact& contact_;
     int64_t& sweeps_;
+    std::vector<FacePair> pairs_;
 };
 
 }  // namespace
 
 void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
                   Contact& contact, int64_t& sweeps) {
-    Certifier(a, b, settings, contact, sweeps).run(lo, hi, 0, std::numeric_limits<int>::max());
+    Certifier(a, b, settings, contact, sweeps).run(lo, hi, 0);
 }
 
 }  // namespace fgenv

@@ -64,6 +64,13 @@ FGENV_INLINE F8 length_bound(F8 x, F8 y, F8 z) {
     return splat(0.5f) * (x + y + z + max(max(x, y), z));
 }
 
+// The part of d across u, of any length; a direction to try, so that rounding does no harm.
+FGENV_INLINE void across(const F8 (&d)[3], const F8 (&u)[3], F8 (&w)[3]) {
+    const F8 uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2], du = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
+    const F8 share = uu > splat(1e-30f) ? du / uu : F8{};
+    for (int i = 0; i < 3; ++i) w[i] = d[i] - share * u[i];
+}
+
 // Which of a node's eight may meet `box` within the half time before and after: a separating axis of the
 // boxes at the middle must also hold off what they do along it. As `meeting`.
 FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const View& view) {
@@ -99,6 +106,19 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const Vie
         meet &= abs(d[0] * x + d[1] * y + d[2] * z) <= reach + abs(u[0] * x + u[1] * y + u[2] * z);
     }
     if (!bits(meet)) return 0;
+    // What passes by is held off across its way: along the centres' offset, less what of it is along u.
+    {
+        F8 w[3];
+        across(d, u, w);
+        F8 reach = length_bound(w[0], w[1], w[2]) * e;
+        for (int i = 0; i < 3; ++i)
+            reach += h[i] * abs(w[0] * axis[i][0] + w[1] * axis[i][1] + w[2] * axis[i][2]);
+        for (int j = 0; j < 3; ++j)
+            reach += splat(box.h[j]) * abs(w[0] * splat(box.axis[j][0]) + w[1] * splat(box.axis[j][1]) + w[2] * splat(box.axis[j][2]));
+        meet &= abs(d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) <=
+                reach + abs(u[0] * w[0] + u[1] * w[1] + u[2] * w[2]);
+        if (!bits(meet)) return 0;
+    }
     F8 along_u[3];
     for (int i = 0; i < 3; ++i) {
         along_n[i] = d[0] * axis[i][0] + d[1] * axis[i][1] + d[2] * axis[i][2];
@@ -238,6 +258,30 @@ void near_faces(const Sweep& sweep, const View& view, const Leaf& la, const Leaf
             }
         }
         near = crossing_plane(side, rise, lift, length_bound(b.n[0], b.n[1], b.n[2]) * splat(pad) + volume * b.scale);
+        among &= bits(near);
+        if (!among) continue;
+        // Across the way of the middles, as for boxes.
+        F8 d[3], u[3], w[3];
+        for (int x = 0; x < 3; ++x) {
+            d[x] = (b.v[0][x] + b.v[1][x] + b.v[2][x]) - splat(a.v[0][x][i] + a.v[1][x][i] + a.v[2][x][i]);
+            u[x] = (ub[0][x] + ub[1][x] + ub[2][x]) - splat(ua[0][x][i] + ua[1][x][i] + ua[2][x][i]);
+        }
+        across(d, u, w);
+        F8 top_after = splat(-1e30f), top_before = top_after, low_after = splat(1e30f), low_before = low_after;
+        for (int k = 0; k < 3; ++k) {
+            F8 at_a = F8{}, at_b = F8{}, rise_a = F8{}, rise_b = F8{};
+            for (int x = 0; x < 3; ++x) {
+                at_a += w[x] * splat(a.v[k][x][i]);
+                at_b += w[x] * b.v[k][x];
+                rise_a += w[x] * splat(ua[k][x][i]);
+                rise_b += w[x] * ub[k][x];
+            }
+            top_after = max(top_after, at_a + rise_a);
+            top_before = max(top_before, at_a - rise_a);
+            low_after = min(low_after, at_b + rise_b);
+            low_before = min(low_before, at_b - rise_b);
+        }
+        near = min(low_after - top_after, low_before - top_before) <= length_bound(w[0], w[1], w[2]) * splat(pad);
         for (among &= bits(near); among; among &= among - 1) {
             if (found.count == found.capacity) {
                 ++found.count;
@@ -267,7 +311,8 @@ int sweep(const Shape& a, const Shape& b, const Sweep& s, FacePair* out, int cap
     const Tree &ta = a.tree, &tb = b.tree;
     if (!meeting(ta.oriented[0], placed(tb.boxes[0], from_a.frame), from_a)) return 0;
     stack[top++] = {0, 0};
-    while (top && found.count <= capacity) {
+    for (int opened = 0; top && found.count <= capacity; ++opened) {
+        if (opened == s.budget) return capacity + 1;
         const Pair pair = stack[--top];
         const OrientedBox &box_a = ta.boxes[pair.a], &box_b = tb.boxes[pair.b];
         const int32_t ca = box_a.child, cb = box_b.child;

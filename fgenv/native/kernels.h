@@ -38,10 +38,21 @@ struct Sweep {
     Rigid pose;  // of b
     Side a, b;
     double margin;  // metres: nearer than this is met
+    int budget;     // pairs of boxes to open at most; then as if there were too many pairs of faces
 };
 
 struct FacePair {
     int32_t a, b;
+};
+
+// Two bodies at one instant, their velocities, and how long before and after it is of interest. World
+// axes, from b's origin.
+struct Moment {
+    Rigid a, b;  // b's translation is 0
+    Vec3 va, wa, vb, wb;
+    double acceleration_a[2], acceleration_b[2];  // at the origin, and what a unit of distance adds
+    double before, after;
+    double margin, slack;  // metres
 };
 
 // Poses are b's in a's frame.
@@ -59,6 +70,8 @@ struct Kernels {
     int32_t (*segment)(const Shape& shape, Vec3 p, Vec3 q);
     // Pairs of faces that may meet in the stretch, none left out; how many, capacity + 1 if there are more.
     int (*sweep)(const Shape& a, const Shape& b, const Sweep& sweep, FacePair* out, int capacity);
+    // Of the pairs, those that may meet before or after the moment, moved to the front; how many.
+    int (*staying)(const Shape& a, const Shape& b, const Moment& moment, FacePair* pairs, int count);
     // The nearest points of two faces that do not cross.
     Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
 };

@@ -94,9 +94,9 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
 
 std::shared_ptr<Shape> World::remove(BodyId id) {
     Body& b = at(id);
-    const std::vector<BodyId> parts = b.parts;
-    for (BodyId part : parts)
-        if (part != id && body(part).carrier == id) detach(part);
+    const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and carry in its turn
+    for (BodyId part : family)
+        if (body(part).carrier == id) detach(part);
     if (b.carrier >= 0) detach(id);
     clear_path(id);
     for (BodyId mover : b.movers) erase(paths_.at(mover).candidates, id);
@@ -258,8 +258,7 @@ Rigid Trajectory::pose(double time) const {
 }
 
 RigidMotion Trajectory::between(double from, double to, const Rigid* offset) const {
-    const double middle = 0.5 * (from + to);
-    const size_t next = std::upper_bound(times.begin(), times.end(), middle) - times.begin();
+    const size_t next = std::upper_bound(times.begin(), times.end(), from) - times.begin();
     if (next == 0) return RigidMotion(poses.front(), poses.front(), offset);
     if (next == times.size()) return RigidMotion(poses.back(), poses.back(), offset);
     const double begin = times[next - 1], length = times[next] - begin;

@@ -94,22 +94,31 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
         const RigidMotion rest(other.pose, other.pose);
         find_contact(a, {other.shape.get(), &rest}, 0, 1, s.certify, out.contact, sweeps);
     } else {
-        // From one pose of the trajectory to the next, as the robot's fractions count.
+        // From one pose of the trajectory to the next. Fractions are those of that leg, however short it is
+        // beside the motion, and the robot's motion is cut to it.
         const Rigid* offset = &other == &root ? nullptr : &other.offset;
-        double lo = 0;
-        std::vector<double> ends;
+        std::vector<double> ends;  // seconds
         for (double time : root.trajectory->times)
-            if (time > s.from && time < s.to) ends.push_back((time - s.from) / (s.to - s.from));
-        ends.push_back(1);
-        for (double hi : ends) {
-            if (!(hi > lo)) continue;
-            const double from = s.from + lo * (s.to - s.from), to = s.from + hi * (s.to - s.from);
-            const RigidMotion leg = root.trajectory->between(from, to, offset).retimed(-lo / (hi - lo), 1 / (hi - lo));
-            find_contact(a, {other.shape.get(), &leg}, lo, hi, s.certify, out.contact, sweeps);
+            if (time > s.from && time < s.to) ends.push_back(time);
+        ends.push_back(s.to);
+        double lo = 0, from = s.from;
+        for (double to : ends) {
+            const double hi = to < s.to ? lesser((to - s.from) / (s.to - s.from), 1) : 1;
+            if (lo > out.contact.free_until) break;
+            const RigidMotion piece = part.motion.retimed(lo, hi - lo), leg = root.trajectory->between(from, to, offset);
+            Contact found;
+            if (out.contact.free_until < hi) found.free_until = (out.contact.free_until - lo) / (hi - lo);
+            find_contact({part.body->shape.get(), &piece}, {other.shape.get(), &leg}, 0, 1, s.certify, found, sweeps);
+            const double free_until = lo + found.free_until * (hi - lo);
+            if (found.found && (!out.contact.found || free_until < out.contact.free_until)) {
+                out.contact = {free_until, lo + found.shown * (hi - lo), true};
+                break;
+            }
             lo = hi;
+            from = to;
         }
     }
-    if (out.contact.found && out.contact.free_until < before.free_until) {
+    if (out.contact.found && (!before.found || out.contact.free_until < before.free_until)) {
         out.part = part.body->id;
         out.other = other.id;
     }
@@ -137,6 +146,7 @@ MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to,
                 certify(part, other, s, out);
                 if (out.contact.found && !s.certify.first) break;
             }
+        if (!s.certify.first && out.contact.found) out.contact.free_until = 0;  // not every pair was asked
     }
     tests_.fetch_add(out.checks, std::memory_order_relaxed);
     return out;
