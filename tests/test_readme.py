@@ -2,8 +2,10 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
@@ -32,3 +34,31 @@ def test_tour_says_the_truth() -> None:
     assert names["touch"] is not None
     assert np.isclose(np.asarray(names["ranges"])[0], 0.6, atol=0.01)
     assert np.asarray(names["inside"]).tolist() == [True, False]
+
+
+def test_masks_are_as_shown() -> None:
+    names: dict[str, Any] = {}
+    exec(block("masks"), names)
+    world, robot, truck, crates = (names[k] for k in ("world", "robot", "truck", "crates"))
+    assert names["near"].tolist() == [crates[3]]
+    assert names["masks"] == [0, 0, 0, 1, 0, 0, 0, 2, 2]
+    assert names["hits"].tolist() == [False, True, False]
+    assert names["met"] == crates[3]
+    assert world.mask(robot) == 0
+    assert [world.mask(crate) for crate in crates] == [0] * 7 + [2] * 2
+    assert world.candidates(truck).tolist() == crates[7:]
+
+
+def test_motions_are_as_shown() -> None:
+    names: dict[str, Any] = {}
+    exec(block("motion"), names)
+    hit, both = names["hit"], names["both"]
+    assert not hit.free
+    assert hit.other == names["door"]
+    # The ball's foremost vertex meets the plate's face.
+    assert hit.contact * 2.0 == pytest.approx(1.005 - 5e-5 - 0.002, abs=2e-6)
+    assert 0 < (hit.contact_by - hit.contact) * 2.0 <= 1e-6
+    assert names["steps"].free
+    assert both.free.tolist() == [False, False]
+    assert both.other.tolist() == [names["door"], names["bullet"]]
+    assert names["later"].free

@@ -29,8 +29,8 @@ Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 Way = Callable[[Rows], Flags]
 STEP = 0.01  # metres that any point moves in a step of the discrete check
-DENSE = 1000  # steps a size in the cross-check of the truth
-BUDGET = 4.0  # seconds that a way may take for all motions of a pair once; else the first of them
+DENSE = 1000  # poses of a motion in the cross-check of the truth
+BUDGET = 4.0  # seconds
 NAMES = ("panda link5, hand", "solo legs", "z1 link1, link2", "ur5 base, upper arm")
 SOLVERS = {
     "FCL naive": fcl.collision_data.CCDSolverType.CCDC_NAIVE,
@@ -162,8 +162,11 @@ def steps(motions: Motions, step: float) -> list[Poses]:
     ]
 
 
-def bench_motions(motions: Motions, rounds: int = 5) -> Record:
-    """Cost of each way on the free motions and on the others, and verdicts of all on all."""
+def bench_motions(motions: Motions, rounds: int = 5, budget: float = BUDGET) -> Record:
+    """Cost of each way on the free motions and on the others, and verdicts of all on all.
+
+    A way that would take more than `budget` seconds for all motions is asked the first of them.
+    """
     world = World()
     world.add(FGENV.build(motions.a))
     robot = world.add(FGENV.build(motions.b), motions.T0[0])
@@ -181,7 +184,7 @@ def bench_motions(motions: Motions, rounds: int = 5) -> Record:
         "clearance": _quartiles(_clearance(world, robot, motions, free)),
         "truth": cross_check(motions, other, result),
     }
-    asked = {name: _affordable(job, len(motions)) for name, job in jobs.items()}
+    asked = {name: _affordable(job, len(motions), budget) for name, job in jobs.items()}
     hits = {name: jobs[name](np.arange(asked[name])) for name in jobs}
     rows_free, rows_met = np.flatnonzero(free), np.flatnonzero(~free)
     seconds_free = _race(jobs, asked, rows_free, rounds)
@@ -222,11 +225,11 @@ def _ways(world: World, robot: int, motions: Motions, other: Fcl) -> dict[str, W
     }
 
 
-def _affordable(job: Way, count: int) -> int:
-    """How many motions, the first ones, the budget is enough for."""
+def _affordable(job: Way, count: int, budget: float) -> int:
+    """How many motions, the first ones, the budget (s) is enough for."""
     began = process_time()
     job(np.arange(min(3, count)))
-    return int(np.clip(3 * BUDGET / (process_time() - began + 1e-9), min(10, count), count))
+    return int(np.clip(3 * budget / (process_time() - began + 1e-9), min(10, count), count))
 
 
 def cross_check(motions: Motions, other: Fcl, result: Any) -> Record:
@@ -235,7 +238,8 @@ def cross_check(motions: Motions, other: Fcl, result: Any) -> Record:
     `contradicted`: proved free, and python-fcl finds a pose that collides; must be 0.
     `sampling_missed`: contacts that are shown and that even dense sampling steps over.
     """
-    dense = other.discrete(steps(motions, motions.b.size / DENSE))
+    ends = zip(motions.T0, motions.T1, strict=True)
+    dense = other.discrete([between(a, b, DENSE) for a, b in ends])
     free, by = np.asarray(result.free), np.asarray(result.contact_by)
     shown = [
         other.pair.collide(_at(motions, int(k), float(by[k])))

@@ -28,7 +28,7 @@ NOTES = {
     "motions": "µs of CPU a motion, free and in contact, and verdicts that are wrong; ×1 cm: cost "
     "of a free motion against the discrete check at 1 cm. Truth: the certified result.",
     "truths": "clearance: quartiles of the least distance on free motions, in sizes; denied: "
-    "proved free, and python-fcl finds a pose that collides, a thousandth of the size between two; "
+    "proved free, and python-fcl finds a collision at one of a thousand poses; "
     "confirmed: contacts shown, and python-fcl collides there as well.",
 }
 

@@ -30,7 +30,7 @@ def bench_world(*, seed: int = 0, quick: bool = False) -> Iterator[tuple[str, Re
         for mesh in meshes.values():
             costs: dict[str, Cost] = {}
             for count in sizes:
-                steps, budget = STEPS[count], 2.0 if quick else 15.0
+                steps, budget = STEPS[count], 2.0 if quick else 8.0
                 yield (
                     "steps",
                     bench_steps(

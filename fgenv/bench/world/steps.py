@@ -19,7 +19,7 @@ from fgenv.bench.world.peers import Bodies, Manager, Pairs
 Record = dict[str, Any]
 JUDGE = "python-fcl"
 CHECKED = 3  # steps whose pairs are compared, and no more seconds than the budget
-MOST_BYTES = 2e9  # that a library may take: some keep a tree for each body
+MOST_BYTES = 1e9  # that a library may take: some keep a tree for each body
 Cost = tuple[float, float]  # seconds a step and bytes, a body
 
 
