@@ -395,6 +395,25 @@ def test_the_box_is_no_larger_than_it_need_be() -> None:
     assert high[2] <= 0.12
 
 
+def test_the_box_shrinks_and_grows_with_what_is_carried() -> None:
+    world = World()
+    robot = world.add(CUBE)
+    load = world.add(CUBE, at(0.0, 5.0))
+    path = [HERE, at(9.0)]
+    world.set_path(robot, path)
+    alone = world.motion_boxes(robot)
+    world.attach(load, robot)
+    laden = world.motion_boxes(robot)
+    assert laden[0, 1, 1] >= 5.5
+    world.set_path(robot, path)
+    assert (world.motion_boxes(robot) == laden).all()
+    world.detach(load)
+    assert (world.motion_boxes(robot) == alone).all()
+    world.attach(load, robot)
+    world.remove(load)
+    assert (world.motion_boxes(robot) == alone).all()
+
+
 def test_a_motion_off_the_path_draws_its_own_box() -> None:
     world = World()
     robot = world.add(CUBE)

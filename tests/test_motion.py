@@ -93,6 +93,31 @@ def test_half_a_turn_goes_one_way_or_the_other() -> None:
     assert not scene(bar, posts[0]).check_motion(0, HERE, turned(np.pi)).free
 
 
+@pytest.mark.parametrize("turn", [0.5, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("carried", [False, True])
+def test_an_arc_through_a_sheet_is_no_straight_line(turn: float, carried: bool) -> None:
+    """Half way a body moves along it: only its acceleration tells that it passes twice."""
+    dip = 1.0 - np.cos(turn / 2)
+    sheet, y = box(5.0, 1e-3, 1.0), 1.0 - 0.01 - 0.3 * dip
+    if carried:  # on an arm
+        world = scene(box(0.01), (box(0.01), at(0.0, 1.0)), (sheet, at(0.0, y)))
+        world.attach(1, 0)
+    else:
+        world = scene(moved(box(0.01), y=1.0), (sheet, at(0.0, y)))
+    found = world.check_motion(0, turned(-turn / 2), turned(turn / 2))
+    assert not found.free
+    assert not found.unresolved
+
+    def below(t: float) -> float:  # of its highest corner under the sheet
+        angle = (t - 0.5) * turn
+        x, top = 0.005 * np.sign(np.sin(angle)), 1.005
+        return float(y - 5e-4 - (top * np.cos(angle) + x * np.sin(angle)))
+
+    assert found.contact <= brentq(below, 0.0, 0.5, xtol=1e-15) + 1e-12 <= found.contact_by + 2e-12
+    again = world.check_motion(0, HERE, turned(turn / 2))  # and down again
+    assert not again.free
+
+
 def test_movers_that_cross_meet() -> None:
     small = Shape(*box(0.1))
     world = World()

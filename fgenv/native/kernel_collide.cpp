@@ -9,17 +9,18 @@ int32_t segment(const Shape& shape, Vec3 p, Vec3 q);
 
 namespace {
 
-// By the spheres around the boxes.
+// By the spheres around the boxes. In double: squares of the smallest bodies are no floats.
 bool far_apart(const OrientedBox& a, const OrientedBox& b, const PairFrame& b_in_a) {
     const F4 centre = turned(b_in_a.columns, b.centre, b_in_a.shift);
-    float squared = 0, of_a = 0, of_b = 0;
+    double squared = 0, of_a = 0, of_b = 0;
     for (int i = 0; i < 3; ++i) {
-        squared += (centre[i] - a.centre[i]) * (centre[i] - a.centre[i]);
-        of_a += a.half[i] * a.half[i];
-        of_b += b.half[i] * b.half[i];
+        const double d = double(centre[i]) - a.centre[i];
+        squared += d * d;
+        of_a += double(a.half[i]) * a.half[i];
+        of_b += double(b.half[i]) * b.half[i];
     }
-    const float reach = std::sqrt(of_a) + std::sqrt(of_b) + 2 * b_in_a.slack;
-    return squared > 1.00001f * reach * reach;
+    const double reach = std::sqrt(of_a) + std::sqrt(of_b) + 2 * b_in_a.slack;
+    return squared > reach * reach;
 }
 
 bool surfaces_meet(const Query& q) {
