@@ -300,7 +300,6 @@ def test_tolerance_is_how_narrow_the_bracket_is(tolerance: float) -> None:
         assert brackets(found, exact, 6.0, tolerance)
 
 
-@pytest.mark.xfail(strict=True, reason="measured on the two faces that meet, against each other")
 def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
     """Neither the far end of a bar that meets a post near its axis, nor one that is run after."""
     bar = box(2.0, 0.02, 0.02)
@@ -314,7 +313,6 @@ def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
     assert 10.0 * (found.contact_by - found.contact) <= TOLERANCE
 
 
-@pytest.mark.xfail(strict=True, reason="given up by a pair of faces that only touches")
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
 def test_a_corner_that_meets_a_corner_is_shown(tolerance: float) -> None:
     """Some of the faces around them pass, others enter."""
@@ -325,7 +323,6 @@ def test_a_corner_that_meets_a_corner_is_shown(tolerance: float) -> None:
         assert brackets(found, first_contact(world, turn, at(6.0)[:3, 3]), 6.0, tolerance)
 
 
-@pytest.mark.xfail(strict=True, reason="given up by a pair of faces that only touches")
 def test_a_corner_that_meets_an_edge_within_a_flat_side_is_shown() -> None:
     """As symmetric bodies do: a ball thrown at the middle of a wall of two triangles."""
     pebble = ball(0.1)
@@ -850,7 +847,6 @@ def test_discrete_can_tunnel_and_continuous_can_not() -> None:
     assert not world.check_motion(0, *go, mode="discrete", resolution=0.005).free
 
 
-@pytest.mark.xfail(strict=True, reason="measured where the motion begins, the part at rest")
 def test_no_point_moves_farther_than_the_resolution_in_a_step() -> None:
     """Also where a part begins at rest, as its carrier moves and turns against each other."""
     for offset in (at(1.0), at(-1.0), at(0.0, 1.0)):
@@ -869,7 +865,6 @@ def test_no_point_moves_farther_than_the_resolution_in_a_step() -> None:
             assert travel(points_of(model, 0), *along(HERE, T1, late)) <= 0.02
 
 
-@pytest.mark.xfail(strict=True, reason="one step where they overflow; hours in C++ where not")
 @pytest.mark.parametrize("resolution", [1e-300, 1e-12])
 def test_more_steps_than_anyone_can_look_at_are_refused(resolution: float) -> None:
     """Or looked at; never fewer than asked for."""

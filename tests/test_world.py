@@ -6,7 +6,6 @@ import copy
 import itertools
 import pickle
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -75,7 +74,6 @@ def test_bodies_come_and_go() -> None:
     assert world.record(again).groups == ()
 
 
-@pytest.mark.xfail(strict=True, reason="its name is 'body <id>', taken or not")
 def test_a_name_that_was_not_given_is_never_in_the_way() -> None:
     world = World()
     world.add(CUBE, name="body 1")
@@ -116,7 +114,6 @@ def test_bodies_are_put_one_by_one_or_together() -> None:
     assert np.isfinite(world.poses(ids)).all()
 
 
-@pytest.mark.xfail(strict=True, reason="ids are read under the lock: 'Resource deadlock avoided'")
 def test_any_iterable_of_bodies_may_ask_the_world_itself() -> None:
     """Python code that runs while a call reads its arguments must not meet the call's lock."""
     world = World()
@@ -539,12 +536,6 @@ def test_masks_save_tests() -> None:
 # Copies
 
 
-def but_pickle(reason: str) -> list[Any]:
-    """The ways to copy, where that by pickle is known to fail."""
-    fails = pytest.mark.xfail(strict=True, reason=reason)
-    return [pytest.param(how, marks=fails if how == "pickle" else ()) for how in TWINS]
-
-
 def furnished(seed: int) -> tuple[World, Model, np.random.Generator]:
     """A world with a bit of everything, where ids, names and bits are out of order."""
     rng = np.random.default_rng(seed)
@@ -589,7 +580,7 @@ def test_a_copy_is_the_same(how: str) -> None:
         assert same == kept
 
 
-@pytest.mark.parametrize("how", but_pickle("bits are given anew, in the order of ids"))
+@pytest.mark.parametrize("how", TWINS)
 def test_a_copy_has_the_same_paths_and_masks(how: str) -> None:
     world, model, _ = furnished(2)
     twin = TWINS[how](world)
@@ -601,7 +592,7 @@ def test_a_copy_has_the_same_paths_and_masks(how: str) -> None:
         assert (twin.motion_boxes(robot) == world.motion_boxes(robot)).all()
 
 
-@pytest.mark.parametrize("how", but_pickle("offsets are measured anew, from rounded poses"))
+@pytest.mark.parametrize("how", TWINS)
 def test_a_copy_goes_on_as_the_original(how: str) -> None:
     """Bit for bit, and neither feels what happens to the other."""
     world, _, rng = furnished(3)

@@ -128,7 +128,7 @@ class World:
     @property
     def names(self) -> list[str]:
         """Names of all bodies, by rising id."""
-        return [self._core.record(int(body))["name"] for body in self.ids]
+        return self._core.names()
 
     def set_pose(self, ids: Bodies, poses: ArrayLike) -> None:
         """Put bodies at poses (..., 4, 4), one for all or one each; what they carry comes along."""
@@ -261,16 +261,10 @@ class World:
             t0, t1: seconds at T0 and T1: bodies are met where their trajectories put them. Without,
                 they stand where they are.
         """
-        if mode not in ("continuous", "discrete"):
-            raise ValueError(f"mode: {mode!r} is unknown, wanted continuous or discrete")
-        if (mode == "discrete") != (resolution is not None):
-            raise ValueError("resolution: wanted metres with mode='discrete', and only then")
-        step = 0.0 if resolution is None else resolution
-        if resolution is not None and not resolution > 0:
-            raise ValueError(f"resolution: {resolution}, wanted metres, over 0")
-        return MotionResult(
-            *self._core.check_motion(robot, T0, T1, margin, tolerance, step, first, t0, t1, threads)
+        found = self._core.check_motion(
+            robot, T0, T1, margin, tolerance, mode, resolution, first, t0, t1, threads
         )
+        return MotionResult(*found)
 
     def check_motions(
         self,
@@ -314,7 +308,7 @@ class World:
             id=found["id"],
             name=found["name"],
             position=found["pose"][:3, 3],
-            mask=self.mask(found["id"]),
+            mask=found["mask"],
             feature_points=graph.points,
             graph=graph,
             pose=found["pose"],
@@ -351,32 +345,11 @@ class World:
         return self.copy()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {
-            "masks": self.masks,
-            "end_id": self._core.end_id(),
-            "allowed_groups": self._core.allowed_groups(),
-            "bodies": [self._core.record(int(body)) for body in self.ids],
-        }
+        return self._core.state()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self._core = core = _core.World(state["masks"])
-        bodies = state["bodies"]
-        for b in bodies:
-            core.add_body(b["shape"], b["pose"], b["name"], b["groups"], b["id"])
-        for b in bodies:  # carriers before what they carry: parts lists are in that order
-            for part in b["parts"][1:]:
-                core.attach(part, next(o["carrier"] for o in bodies if o["id"] == part))
-            for other in b["allowed"]:
-                core.allow(b["id"], other, True)
-        for a, b in state["allowed_groups"]:
-            core.allow_groups(a, b, True)
-        for b in bodies:
-            if b["trajectory"][0] is not None:
-                core.set_trajectory(b["id"], *b["trajectory"])
-        for b in bodies:
-            if b["path"] is not None:
-                core.set_path(b["id"], b["path"])
-        core.set_end_id(state["end_id"])
+        self._core = _core.World(state["masks"])
+        self._core.restore(state)
 
     def __repr__(self) -> str:
         return f"World({len(self)} bodies)"

@@ -6,6 +6,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <limits>
 #include <mutex>
 
 #include "arguments.h"
@@ -26,31 +27,45 @@ Lock locked(const World& w) {
     }
     return lock;
 }
-auto reading(const World& w) { return locked<std::shared_lock<std::shared_mutex>>(w); }
-auto writing(const World& w) { return locked<std::unique_lock<std::shared_mutex>>(w); }
+auto reading(const World& w) { return locked<std::shared_lock<FairMutex>>(w); }
+auto writing(const World& w) { return locked<std::unique_lock<FairMutex>>(w); }
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
-// A body by its id or its name.
-BodyId body_of(const World& w, nb::handle value, const char* name) {
+// A body as asked for, by id or by name; read before the world is locked, since reading may run Python code.
+struct Asked {
+    std::string text;
+    bool by_name;
+    BodyId id = -1;
+};
+
+Asked asked(nb::handle value, const char* name) {
     if (nb::isinstance<nb::str>(value)) {
-        const std::string text = nb::cast<std::string>(value);
-        const BodyId id = w.id_of(text);
-        if (id < 0) fail(std::string(name) + ": no body is named '" + text + "'; world.names tells which are");
-        return id;
+        Py_ssize_t length = 0;
+        const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &length);
+        if (text) return {std::string(text, length), true};
+        PyErr_Clear();  // half of a surrogate pair: no name in UTF-8
+        return {nb::repr(value).c_str(), true};
     }
-    int64_t id = -1;
-    if (PyBool_Check(value.ptr()) || !PyIndex_Check(value.ptr()))
+    const nb::object index = nb::steal(PyBool_Check(value.ptr()) ? nullptr : PyNumber_Index(value.ptr()));
+    if (!index.is_valid()) {
+        PyErr_Clear();
         throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted a body's id or name").c_str());
-    id = PyLong_AsLongLong(nb::steal(PyNumber_Index(value.ptr())).ptr());
-    if (PyErr_Occurred()) PyErr_Clear();
-    if (id < 0 || id >= w.end_id() || !w.find(static_cast<BodyId>(id)))
-        fail(std::string(name) + ": no body " + std::to_string(id) + " in this world; world.ids tells which are");
-    return static_cast<BodyId>(id);
+    }
+    int overflow = 0;
+    const long long id = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
+    const bool fits = !overflow && id >= 0 && id <= std::numeric_limits<BodyId>::max();
+    return {nb::str(index).c_str(), false, fits ? static_cast<BodyId>(id) : -1};
 }
 
-BodyId robot_of(const World& w, nb::handle value, const char* name = "robot") {
-    const BodyId id = body_of(w, value, name);
+BodyId body_of(const World& w, const Asked& asked, const char* name) {
+    const BodyId id = asked.by_name ? w.id_of(asked.text) : asked.id;
+    if (w.find(id)) return id;
+    if (asked.by_name) fail(std::string(name) + ": no body is named '" + asked.text + "'; world.names tells which are");
+    fail(std::string(name) + ": no body " + asked.text + " in this world; world.ids tells which are");
+}
+
+BodyId root_of(const World& w, BodyId id, const char* name) {
     const Body& b = w.body(id);
     if (b.carrier >= 0)
         fail(std::string(name) + ": '" + b.name + "' is carried by '" + w.body(b.carrier).name + "'; ask for '" +
@@ -58,17 +73,31 @@ BodyId robot_of(const World& w, nb::handle value, const char* name = "robot") {
     return id;
 }
 
-// One id or name, or a sequence of them; `one` tells which.
-std::vector<BodyId> bodies_of(const World& w, nb::handle value, const char* name, bool& one) {
-    one = nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr());
+BodyId robot_of(const World& w, const Asked& asked, const char* name = "robot") {
+    return root_of(w, body_of(w, asked, name), name);
+}
+
+// One id or name, or a sequence of them.
+struct AskedBodies {
+    std::vector<Asked> items;
+    bool one;
+
+    std::vector<BodyId> ids(const World& w, const char* name) const {
+        std::vector<BodyId> out;
+        for (const Asked& a : items) out.push_back(body_of(w, a, name));
+        return out;
+    }
+};
+
+AskedBodies asked_bodies(nb::handle value, const char* name) {
     if (nb::hasattr(value, "ndim") && nb::hasattr(value, "tolist"))
-        return bodies_of(w, nb::object(value.attr("tolist")()), name, one);
-    if (one) return {body_of(w, value, name)};
+        return asked_bodies(nb::object(value.attr("tolist")()), name);
+    if (nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr())) return {{asked(value, name)}, true};
     if (!nb::hasattr(value, "__iter__"))
         throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted ids or names of bodies").c_str());
-    std::vector<BodyId> ids;
-    for (nb::handle item : value) ids.push_back(body_of(w, item, name));
-    return ids;
+    AskedBodies out{{}, false};
+    for (nb::handle item : value) out.items.push_back(asked(item, name));
+    return out;
 }
 
 std::vector<std::string> names_of(nb::handle value, const char* name) {
@@ -118,18 +147,19 @@ BodyId add(World& w, std::shared_ptr<Shape> shape, nb::handle pose, const std::s
 }
 
 void remove(World& w, nb::handle body) {
+    const Asked a = asked(body, "body");
     std::shared_ptr<Shape> last;  // dropped after the lock
     const auto lock = writing(w);
-    last = w.remove(body_of(w, body, "body"));
+    last = w.remove(body_of(w, a, "body"));
 }
 
 void set_pose(World& w, nb::handle ids, nb::handle poses_) {
     const Poses p = poses(poses_, "poses");
+    const AskedBodies all = asked_bodies(ids, "ids");
     const auto lock = writing(w);
-    bool one;
-    const std::vector<BodyId> bodies = bodies_of(w, ids, "ids", one);
-    for (BodyId id : bodies) robot_of(w, nb::int_(id), "ids");
-    const Dims wanted = one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
+    const std::vector<BodyId> bodies = all.ids(w, "ids");
+    for (BodyId id : bodies) root_of(w, id, "ids");
+    const Dims wanted = all.one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
     const Broadcast shape = broadcast({{"ids", wanted}, {"poses", p.dims}});
     if (shape.dims != wanted) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(wanted));
     std::vector<Rigid> each;
@@ -138,11 +168,11 @@ void set_pose(World& w, nb::handle ids, nb::handle poses_) {
 }
 
 nb::object get_poses(const World& w, nb::handle ids) {
+    const AskedBodies all = asked_bodies(ids, "ids");
     const auto lock = reading(w);
-    bool one;
     std::vector<Rigid> out;
-    for (BodyId id : bodies_of(w, ids, "ids", one)) out.push_back(w.body(id).pose);
-    return pose_out(out, one ? Dims{} : Dims{static_cast<int64_t>(out.size())});
+    for (BodyId id : all.ids(w, "ids")) out.push_back(w.body(id).pose);
+    return pose_out(out, all.one ? Dims{} : Dims{static_cast<int64_t>(out.size())});
 }
 
 void set_trajectory(World& w, nb::handle body, nb::handle times, nb::handle poses_) {
@@ -157,8 +187,9 @@ void set_trajectory(World& w, nb::handle body, nb::handle times, nb::handle pose
             if (!(t.times[i] > t.times[i - 1])) fail("times[" + std::to_string(i) + "]: not after the one before");
         t.poses = std::move(p.items);
     }
+    const Asked a = asked(body, "body");
     const auto lock = writing(w);
-    w.set_trajectory(robot_of(w, body, "body"), std::move(t));
+    w.set_trajectory(robot_of(w, a, "body"), std::move(t));
 }
 
 nb::object id_array(const std::vector<BodyId>& ids) {
@@ -169,35 +200,42 @@ nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
     Poses p = poses(poses_, "poses");
     if (p.dims.size() != 1 || p.items.empty())
         fail("poses: " + to_string(p.dims) + " way points, wanted (K, 4, 4) with K at least 1");
+    const Asked a = asked(robot, "robot");
     const auto lock = writing(w);
-    return id_array(w.set_path(robot_of(w, robot), std::move(p.items)));
+    return id_array(w.set_path(robot_of(w, a), std::move(p.items)));
 }
 
 nb::object candidates(const World& w, nb::handle robot) {
+    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, robot);
+    const BodyId id = robot_of(w, a);
     const Path* p = w.path(id);
     if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
     return id_array(p->candidates);
 }
 
 nb::object motion_boxes(const World& w, nb::handle robot) {
+    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, robot);
+    const BodyId id = robot_of(w, a);
     const Path* p = w.path(id);
     if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
     return copy_out(reinterpret_cast<const double*>(p->legs.data()), {static_cast<int64_t>(p->legs.size())}, {2, 3});
 }
 
 // Bits of the movers whose motion box the body meets, its own among them.
-nb::object mask(const World& w, nb::handle body) {
-    const auto lock = reading(w);
-    const BodyId id = body_of(w, body, "body");
+nb::int_ mask_of(const World& w, const Body& body) {
     nb::int_ out(0);
-    std::vector<BodyId> movers = w.body(id).movers;
-    if (w.path(w.body(id).root)) movers.push_back(w.body(id).root);
+    std::vector<BodyId> movers = body.movers;
+    if (w.path(body.root)) movers.push_back(body.root);
     for (BodyId mover : movers) out = nb::int_(out | (nb::int_(1) << nb::int_(w.own_bit(mover))));
     return out;
+}
+
+nb::int_ mask(const World& w, nb::handle body) {
+    const Asked a = asked(body, "body");
+    const auto lock = reading(w);
+    return mask_of(w, w.body(body_of(w, a, "body")));
 }
 
 struct Posed {
@@ -223,8 +261,9 @@ nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::han
     const Posed p = posed(poses_, times);
     metres_of(margin, "margin");
     const int n = threads_of(threads);
+    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, robot);
+    const BodyId id = robot_of(w, a);
     if (p.single()) return nb::cast(w.collides(id, p.pose(0), p.time(0), margin));
     Output<bool> out = make_output<bool>(p.shape.dims);
     parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
@@ -236,8 +275,9 @@ nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::han
 nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, nb::handle threads) {
     const Posed p = posed(poses_, times);
     const int n = threads_of(threads);
+    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, robot);
+    const BodyId id = robot_of(w, a);
     Output<double> distance = make_output<double>(p.shape.dims);
     Output<int32_t> other = make_output<int32_t>(p.shape.dims);
     parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
@@ -250,13 +290,24 @@ nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::ha
     return nb::make_tuple(distance.array, other.array);
 }
 
+double resolution_of(nb::handle mode, nb::handle value) {
+    std::string text;
+    if (!nb::try_cast(mode, text) || (text != "continuous" && text != "discrete"))
+        fail(std::string("mode: ") + nb::repr(mode).c_str() + " is unknown, wanted continuous or discrete");
+    if ((text == "discrete") == value.is_none()) fail("resolution: wanted metres with mode='discrete', and only then");
+    double metres = 0;
+    if (!value.is_none() && (!nb::try_cast(value, metres) || !(metres > 0) || std::isinf(metres)))
+        fail(std::string("resolution: ") + nb::repr(value).c_str() + ", wanted metres, over 0");
+    return metres;
+}
+
 MotionSettings settings_of(double margin, double tolerance, double resolution, bool first, nb::handle t0,
                            nb::handle t1) {
     MotionSettings s;
     s.certify.margin = metres_of(margin, "margin");
     s.certify.tolerance = metres_of(tolerance, "tolerance");
     if (!(tolerance > 0)) fail("tolerance: wanted metres, over 0");
-    s.resolution = metres_of(resolution, "resolution");
+    s.resolution = resolution;
     s.certify.first = first;
     if (t0.is_none() != t1.is_none()) fail("t0, t1: wanted both (seconds), or neither");
     if (!t0.is_none() && (!nb::try_cast(t0, s.from) || !nb::try_cast(t1, s.to) || !std::isfinite(s.from) ||
@@ -288,13 +339,15 @@ struct Outcomes {
 };
 
 nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::handle T1, double margin, double tolerance,
-                       double resolution, bool first, nb::handle t0, nb::handle t1, nb::handle threads) {
+                       nb::handle mode, nb::handle resolution, bool first, nb::handle t0, nb::handle t1,
+                       nb::handle threads) {
     const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
-    const MotionSettings s = settings_of(margin, tolerance, resolution, first, t0, t1);
+    const MotionSettings s = settings_of(margin, tolerance, resolution_of(mode, resolution), first, t0, t1);
     const Broadcast shape = broadcast({{"T0", from.dims}, {"T1", to.dims}});
     const int n = threads_of(threads);
+    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, robot);
+    const BodyId id = robot_of(w, a);
     if (shape.dims.empty()) {
         const MotionOutcome o = w.check_motion(id, from.items[0], to.items[0], s);
         return nb::make_tuple(!o.contact.found, o.contact.found ? o.contact.free_until : 1.0,
@@ -312,15 +365,15 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::ha
                         double tolerance, nb::handle t0, nb::handle t1) {
     const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
     const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
+    const AskedBodies all = asked_bodies(robots, "robots");
     const auto lock = reading(w);
-    bool one;
-    const std::vector<BodyId> ids = bodies_of(w, robots, "robots", one);
+    const std::vector<BodyId> ids = all.ids(w, "robots");
     const Dims wanted{static_cast<int64_t>(ids.size())};
     const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims}, {"T1", to.dims}});
-    if (one || shape.dims != wanted) fail("robots, T0, T1: wanted (n,), (n, 4, 4), (n, 4, 4)");
+    if (all.one || shape.dims != wanted) fail("robots, T0, T1: wanted (n,), (n, 4, 4), (n, 4, 4)");
     std::vector<Rigid> begin, end;
     for (size_t i = 0; i < ids.size(); ++i) {
-        robot_of(w, nb::int_(ids[i]), "robots");
+        root_of(w, ids[i], "robots");
         if (std::count(ids.begin(), ids.end(), ids[i]) > 1) fail("robots: body " + std::to_string(ids[i]) + " is named twice");
         begin.push_back(from.items[shape.offset(1, static_cast<int64_t>(i))]);
         end.push_back(to.items[shape.offset(2, static_cast<int64_t>(i))]);
@@ -362,10 +415,9 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, do
     const int n = threads_of(threads);
     Output<double> distance = make_output<double>(shape.dims);
     Output<int32_t> body = make_output<int32_t>(shape.dims);
+    const AskedBodies ignore = ignored.is_none() ? AskedBodies{{}, false} : asked_bodies(ignored, "ignore");
     const auto lock = reading(w);
-    bool one;
-    std::vector<BodyId> skip;
-    if (!ignored.is_none()) skip = bodies_of(w, ignored, "ignore", one);
+    std::vector<BodyId> skip = ignore.ids(w, "ignore");
     std::sort(skip.begin(), skip.end());
     parallel_for(shape.size, n, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
@@ -379,22 +431,24 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, do
 }
 
 // All of a body that a record or a pickle needs.
-nb::dict record(const World& w, nb::handle body) {
-    const auto lock = reading(w);
-    const BodyId id = body_of(w, body, "body");
-    const Body& b = w.body(id);
+nb::dict record_of(const World& w, const Body& b) {
     nb::dict out;
-    out["id"] = id;
+    out["id"] = b.id;
     out["name"] = b.name;
     out["shape"] = b.shape;
     out["pose"] = pose_out({b.pose}, {});
+    out["mask"] = mask_of(w, b);
     nb::list groups;
     for (int32_t g : b.groups) groups.append(w.groups()[g]);
     out["groups"] = groups;
     out["allowed"] = b.allowed;
     out["carrier"] = b.carrier;
+    out["root"] = b.root;
+    out["offset"] = pose_out({b.offset}, {});
     out["parts"] = b.parts;
-    out["path"] = w.path(id) ? pose_out(w.path(id)->poses, {static_cast<int64_t>(w.path(id)->poses.size())}) : nb::none();
+    const Path* path = w.path(b.id);
+    out["path"] = path ? pose_out(path->poses, {static_cast<int64_t>(path->poses.size())}) : nb::none();
+    out["bit"] = w.own_bit(b.id);
     nb::object times = nb::none(), poses = nb::none();
     if (b.trajectory) {
         times = copy_out(b.trajectory->times.data(), {static_cast<int64_t>(b.trajectory->times.size())});
@@ -404,19 +458,69 @@ nb::dict record(const World& w, nb::handle body) {
     return out;
 }
 
+nb::dict record(const World& w, nb::handle body) {
+    const Asked a = asked(body, "body");
+    const auto lock = reading(w);
+    return record_of(w, w.body(body_of(w, a, "body")));
+}
+
+template <class F>
+void for_each_body(const World& w, F f) {
+    for (BodyId id = 0; id < w.end_id(); ++id)
+        if (const Body* b = w.find(id)) f(*b);
+}
+
 nb::object ids(const World& w) {
     const auto lock = reading(w);
     std::vector<BodyId> out;
-    for (BodyId id = 0; id < w.end_id(); ++id)
-        if (w.find(id)) out.push_back(id);
+    for_each_body(w, [&](const Body& b) { out.push_back(b.id); });
     return id_array(out);
 }
 
-nb::list allowed_groups(const World& w) {
+nb::list names(const World& w) {
     const auto lock = reading(w);
     nb::list out;
-    for (const auto& [a, b] : w.allowed_groups()) out.append(nb::make_tuple(w.groups()[a], w.groups()[b]));
+    for_each_body(w, [&](const Body& b) { out.append(b.name); });
     return out;
+}
+
+const char* name_of(Masks masks) {
+    return masks == Masks::path ? "path" : masks == Masks::off ? "off" : "published";
+}
+
+// All of a world, of one moment.
+nb::dict state(const World& w) {
+    const auto lock = reading(w);
+    nb::list bodies, allowed_groups;
+    for_each_body(w, [&](const Body& b) { bodies.append(record_of(w, b)); });
+    for (const auto& [a, b] : w.allowed_groups()) allowed_groups.append(nb::make_tuple(w.groups()[a], w.groups()[b]));
+    nb::dict out;
+    out["masks"] = name_of(w.masks());
+    out["end_id"] = w.end_id();
+    out["allowed_groups"] = allowed_groups;
+    out["bodies"] = bodies;
+    return out;
+}
+
+// Fills a new world with what `state` told.
+void restore(World& w, const nb::dict& state) {
+    const nb::list bodies(state["bodies"]);
+    const auto id_of = [](nb::handle b) { return nb::cast<BodyId>(b["id"]); };
+    for (nb::handle b : bodies)
+        w.add(nb::cast<std::shared_ptr<Shape>>(b["shape"]), pose_of(b["pose"], "pose"), nb::cast<std::string>(b["name"]),
+              nb::cast<std::vector<std::string>>(b["groups"]), id_of(b));
+    for (nb::handle b : bodies)
+        w.restore(id_of(b), nb::cast<BodyId>(b["carrier"]), nb::cast<BodyId>(b["root"]), pose_of(b["offset"], "offset"),
+                  nb::cast<std::vector<BodyId>>(b["parts"]));
+    for (nb::handle b : bodies)
+        for (BodyId other : nb::cast<std::vector<BodyId>>(b["allowed"])) w.allow(id_of(b), other, true);
+    for (nb::handle pair : state["allowed_groups"])
+        w.allow_groups(nb::cast<std::string>(pair[0]), nb::cast<std::string>(pair[1]), true);
+    for (nb::handle b : bodies)
+        if (!b["trajectory"][0].is_none()) set_trajectory(w, b["id"], b["trajectory"][0], b["trajectory"][1]);
+    for (nb::handle b : bodies)
+        if (!b["path"].is_none()) w.set_path(id_of(b), poses(b["path"], "path").items, nb::cast<int>(b["bit"]));
+    w.set_end_id(nb::cast<BodyId>(state["end_id"]));
 }
 
 Masks masks_of(const std::string& name) {
@@ -437,45 +541,49 @@ void bind_world(nb::module_& m) {
             new (self) World(other);
         })
         .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, "groups"_a.none(), "id"_a)
-        .def("set_end_id", [](World& w, BodyId id) { w.set_end_id(id); }, "id"_a)
-        .def("end_id", [](const World& w) { return w.end_id(); })
+        .def("state", &state)
+        .def("restore", &restore, "state"_a)
         .def("remove", &remove, "body"_a.none())
         .def("set_pose", &set_pose, "ids"_a.none(), "poses"_a.none())
         .def("poses", &get_poses, "ids"_a.none())
         .def("attach", [](World& w, nb::handle body, nb::handle carrier) {
+            const Asked a = asked(body, "body"), b = asked(carrier, "carrier");
             const auto lock = writing(w);
-            w.attach(body_of(w, body, "body"), body_of(w, carrier, "carrier"));
+            w.attach(body_of(w, a, "body"), body_of(w, b, "carrier"));
         }, "body"_a.none(), "carrier"_a.none())
         .def("detach", [](World& w, nb::handle body) {
+            const Asked a = asked(body, "body");
             const auto lock = writing(w);
-            w.detach(body_of(w, body, "body"));
+            w.detach(body_of(w, a, "body"));
         }, "body"_a.none())
         .def("allow", [](World& w, nb::handle a, nb::handle b, bool allowed) {
+            const Asked first = asked(a, "a"), second = asked(b, "b");
             const auto lock = writing(w);
-            w.allow(body_of(w, a, "a"), body_of(w, b, "b"), allowed);
+            w.allow(body_of(w, first, "a"), body_of(w, second, "b"), allowed);
         }, "a"_a.none(), "b"_a.none(), "allowed"_a)
         .def("allow_groups", [](World& w, const std::string& a, const std::string& b, bool allowed) {
             const auto lock = writing(w);
             w.allow_groups(a, b, allowed);
         }, "a"_a, "b"_a, "allowed"_a)
-        .def("allowed_groups", &allowed_groups)
         .def("set_trajectory", &set_trajectory, "body"_a.none(), "times"_a.none(), "poses"_a.none())
         .def("set_path", &set_path, "robot"_a.none(), "poses"_a.none())
         .def("clear_path", [](World& w, nb::handle robot) {
+            const Asked a = asked(robot, "robot");
             const auto lock = writing(w);
-            w.clear_path(robot_of(w, robot));
+            w.clear_path(robot_of(w, a));
         }, "robot"_a.none())
         .def("candidates", &candidates, "robot"_a.none())
         .def("motion_boxes", &motion_boxes, "robot"_a.none())
         .def("mask", &mask, "body"_a.none())
         .def("own_bit", [](const World& w, nb::handle robot) {
+            const Asked a = asked(robot, "robot");
             const auto lock = reading(w);
-            return w.own_bit(robot_of(w, robot));
+            return w.own_bit(robot_of(w, a));
         }, "robot"_a.none())
         .def("collides", &collides, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), "margin"_a, "threads"_a.none())
         .def("clearance", &clearance, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), "threads"_a.none())
         .def("check_motion", &check_motion, "robot"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a, "tolerance"_a,
-             "resolution"_a, "first"_a, "t0"_a.none(), "t1"_a.none(), "threads"_a.none())
+             "mode"_a.none(), "resolution"_a.none(), "first"_a, "t0"_a.none(), "t1"_a.none(), "threads"_a.none())
         .def("check_motions", &check_motions, "robots"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a,
              "tolerance"_a, "t0"_a.none(), "t1"_a.none())
         .def("contacts", &contacts, "margin"_a, "threads"_a.none())
@@ -483,9 +591,8 @@ void bind_world(nb::module_& m) {
              "threads"_a.none())
         .def("record", &record, "body"_a.none())
         .def("ids", &ids)
-        .def("masks", [](const World& w) {
-            return w.masks() == Masks::path ? "path" : w.masks() == Masks::off ? "off" : "published";
-        })
+        .def("names", &names)
+        .def("masks", [](const World& w) { return name_of(w.masks()); })
         .def("tests", [](const World& w) { return w.tests(); })
         .def("nbytes", [](const World& w) {
             const auto lock = reading(w);

@@ -199,18 +199,23 @@ private:
 
     void advance(FacePair pair, double lo, double hi) {
         FaceAdvance faces(a_, b_, pair, settings_);
-        double t = lo;
+        double t = lo, bracket = 0;
         for (int step = 0; step < max_steps; ++step) {
             const double after = faces.stay(t);
             if (t + after >= hi) return;
             t += after;
-            const double bracket = settings_.tolerance / greater(faces.speed(), 1e-300);
+            bracket = settings_.tolerance / greater(greater(faces.speed(), settings_.speed), 1e-300);
             if (after > 0.25 * bracket) continue;
             const double shown = lesser(t + 0.5 * bracket, 1);
             if (faces.meet(shown)) return find(t, shown);
             // Another pair that shares the corner may have shown it already.
             if (contact_.found && contact_.shown <= t + bracket) return find(t, contact_.shown);
             if (after == 0) break;
+        }
+        // These two only touch, as some do around a corner that runs into an edge: others may show it.
+        for (double part : {0.5, 1.0}) {
+            const double shown = lesser(t + part * bracket, 1);
+            if (collides(shown)) return find(t, shown);
         }
         give_up(t);
     }

@@ -14,6 +14,12 @@ constexpr double rounding = 1e-14;  // of the coordinates: more than placing a p
 
 BodyMotion::~BodyMotion() = default;
 
+double BodyMotion::speed(double radius) const {
+    const Velocity half_way = velocity(0.5);
+    const Acceleration a = acceleration();
+    return norm(half_way.v) + 0.5 * a.at_origin + (norm(half_way.w) + 0.5 * a.by_radius) * radius;
+}
+
 RigidMotion::RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offset)
     : start_(start), end_{end.t[0], end.t[1], end.t[2]}, offset_(offset ? *offset : identity()),
       has_offset_(offset != nullptr),

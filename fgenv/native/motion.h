@@ -24,6 +24,7 @@ public:
     virtual Velocity velocity(double t) const = 0;
     virtual Acceleration acceleration() const = 0;
     virtual double turn() const = 0;  // radians: at most this far over [0, 1]
+    virtual double speed(double radius) const;  // at most: of points this far from the body's origin
 };
 
 // Position linear, orientation by the shortest arc about the origin of the frame that moves (as OMPL's
@@ -39,6 +40,9 @@ public:
     Velocity velocity(double t) const override;
     Acceleration acceleration() const override { return acceleration_; }
     double turn() const override { return rate_ * angle_; }
+    double speed(double radius) const override {
+        return rate_ * (norm(shift_) + angle_ * (norm(origin(offset_)) + radius));
+    }
     Rigid frame(double t) const;  // of what moves, without the offset
 
 private:

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <exception>
+#include <mutex>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -43,13 +45,21 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int6
     const int workers = static_cast<int>(std::min<int64_t>(thread_count(threads), chunks)) - 1;
     std::atomic<int64_t> next{0};
     std::atomic<bool> stop{false};
+    std::exception_ptr failure;  // the first
+    std::mutex failing;
     bool raised = false;
     {
         nb::gil_scoped_release released;
         const auto work = [&](bool hears_signals) {
             auto heard = std::chrono::steady_clock::now();
             for (int64_t i; !stop && (i = next++) < chunks;) {
-                body(i * chunk, std::min(n, (i + 1) * chunk));
+                try {
+                    body(i * chunk, std::min(n, (i + 1) * chunk));
+                } catch (...) {
+                    const std::lock_guard<std::mutex> guard(failing);
+                    if (!failure) failure = std::current_exception();
+                    stop = true;
+                }
                 if (!hears_signals) continue;
                 const auto now = std::chrono::steady_clock::now();
                 if (now - heard < signal_interval) continue;
@@ -67,6 +77,7 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int6
         for (std::thread& t : team) t.join();
     }
     if (raised) throw nb::python_error();
+    if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace fgenv

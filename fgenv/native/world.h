@@ -4,11 +4,11 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <shared_mutex>
 #include <string>
 
 #include "box_index.h"
 #include "certify.h"
+#include "fair_mutex.h"
 
 namespace fgenv {
 
@@ -59,6 +59,12 @@ struct MotionSettings {
     CertifySettings certify;
     double from = now, to = now;  // seconds at fractions 0 and 1
     double resolution = 0;        // metres; over 0: not certified, looked at in steps
+
+    MotionSettings with_speed(double speed) const {
+        MotionSettings out = *this;
+        out.certify.speed = speed;
+        return out;
+    }
 };
 
 struct MotionOutcome {
@@ -92,11 +98,14 @@ public:
     void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
     void attach(BodyId id, BodyId carrier);
     void detach(BodyId id);
+    // What stands for itself is carried again, bit for bit where it was (attaching would round).
+    void restore(BodyId id, BodyId carrier, BodyId root, const Rigid& offset, std::vector<BodyId> parts);
     void allow(BodyId a, BodyId b, bool allowed);
     void allow_groups(const std::string& a, const std::string& b, bool allowed);
     void set_trajectory(BodyId id, Trajectory trajectory);  // without times: forgets it
 
-    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Rigid> poses);
+    // Its bit is the one given, else the one it has, else the lowest that is free.
+    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Rigid> poses, int bit = -1);
     void clear_path(BodyId robot);
     const Path* path(BodyId robot) const;
     const std::map<BodyId, Path>& paths() const { return paths_; }
@@ -127,7 +136,7 @@ public:
     int64_t tests() const { return tests_; }
     size_t nbytes() const;
 
-    mutable std::shared_mutex mutex;
+    mutable FairMutex mutex;
 
 private:
     struct Part;

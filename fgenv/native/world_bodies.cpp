@@ -72,7 +72,11 @@ int32_t World::group(const std::string& name) {
 BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
                   const std::vector<std::string>& groups, BodyId id) {
     if (id < 0) id = end_id();
-    if (name.empty()) name = "body " + std::to_string(id);
+    if (name.empty()) {
+        const std::string plain = "body " + std::to_string(id);
+        name = plain;
+        for (int i = 2; names_.count(name); ++i) name = plain + " (" + std::to_string(i) + ")";
+    }
     if (names_.count(name))
         throw std::invalid_argument("name: '" + name + "' is taken by body " + std::to_string(names_[name]) +
                                     ", wanted one that no body of this world has");
@@ -198,6 +202,14 @@ void World::detach(BodyId id) {
     }
     if (path(root)) set_path(root, std::vector<Rigid>(paths_.at(root).poses));
     update_all_masks();
+}
+
+void World::restore(BodyId id, BodyId carrier, BodyId root, const Rigid& offset, std::vector<BodyId> parts) {
+    Body& b = at(id);
+    b.carrier = carrier;
+    b.root = root;
+    b.offset = offset;
+    b.parts = std::move(parts);
 }
 
 void World::allow(BodyId a, BodyId b, bool allowed) {

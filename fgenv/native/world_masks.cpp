@@ -61,16 +61,18 @@ void World::set_candidates(BodyId robot, std::vector<BodyId> candidates) {
     p.candidates = std::move(candidates);
 }
 
-const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Rigid> poses) {
+const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Rigid> poses, int bit) {
     const Body& b = root_at(robot, "robot");
     const bool known = paths_.count(robot) != 0;
     Path& p = paths_[robot];
-    if (!known && masks_ != Masks::published) {
+    if (bit >= 0) {
+        p.bit = bit;
+    } else if (!known && masks_ != Masks::published) {
         std::vector<int> taken;
         for (const auto& [id, other] : paths_)
             if (id != robot) taken.push_back(other.bit);
         std::sort(taken.begin(), taken.end());
-        for (int bit : taken) p.bit += bit == p.bit;
+        for (int other : taken) p.bit += other == p.bit;
     }
     drop_legs(p);
     p.poses = std::move(poses);

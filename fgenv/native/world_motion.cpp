@@ -10,6 +10,8 @@
 namespace fgenv {
 namespace {
 
+constexpr int max_steps = 10'000'000;  // of a motion that is looked at in steps
+
 bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
     const Rigid pose = relative(ta, tb);
     if (kernels().collide(a, b, pose, true, nullptr)) return true;
@@ -29,6 +31,7 @@ struct World::Part {
 struct World::Sweeping {
     std::vector<Part> parts;
     Box around = empty_box();
+    double speed = 0;  // of its fastest point, at most
 };
 
 World::Sweeping World::sweeping(const Body& robot, const Rigid& from, const Rigid& to, double margin) const {
@@ -40,6 +43,7 @@ World::Sweeping World::sweeping(const Body& robot, const Rigid& from, const Rigi
         Part& p = out.parts.back();
         p.swept = widened(swept_box(*part.shape, p.motion, 0, 1), margin);
         grow(out.around, p.swept);
+        out.speed = greater(out.speed, p.motion.speed(part.shape->radius));
     }
     return out;
 }
@@ -69,12 +73,12 @@ bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyI
 MotionOutcome World::step_through(const Sweeping& moving, const std::vector<BodyId>& others,
                                   const MotionSettings& s) const {
     MotionOutcome out;
-    double longest = 0;
-    for (const Part& part : moving.parts) {
-        const Velocity u = part.motion.velocity(0);
-        longest = greater(longest, norm(u.v) + norm(u.w) * part.body->shape->radius);
-    }
-    const int64_t steps = std::max<int64_t>(1, static_cast<int64_t>(std::ceil(longest / s.resolution)));
+    const double wanted = std::ceil(moving.speed / s.resolution);
+    if (!(wanted <= max_steps))
+        throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
+                                    std::to_string(moving.speed) + " m: wanted at most " + std::to_string(max_steps) +
+                                    " steps");
+    const int64_t steps = std::max<int64_t>(1, static_cast<int64_t>(wanted));
     for (int64_t i = 0; i <= steps; ++i) {
         const double t = double(i) / double(steps);
         if (!touches_at(moving, t, others, s, out)) continue;
@@ -108,7 +112,9 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
             const RigidMotion piece = part.motion.retimed(lo, hi - lo), leg = root.trajectory->between(from, to, offset);
             Contact found;
             if (out.contact.free_until < hi) found.free_until = (out.contact.free_until - lo) / (hi - lo);
-            find_contact({part.body->shape.get(), &piece}, {other.shape.get(), &leg}, 0, 1, s.certify, found, sweeps);
+            CertifySettings cut = s.certify;
+            cut.speed *= hi - lo;
+            find_contact({part.body->shape.get(), &piece}, {other.shape.get(), &leg}, 0, 1, cut, found, sweeps);
             const double free_until = lo + found.free_until * (hi - lo);
             if (found.found && (!out.contact.found || free_until < out.contact.free_until)) {
                 out.contact = {free_until, lo + found.shown * (hi - lo), true};
@@ -124,9 +130,10 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
     }
 }
 
-MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to, const MotionSettings& s) const {
+MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to, const MotionSettings& given) const {
     const Body& robot = body(id);
-    const Sweeping moving = sweeping(robot, from, to, s.certify.margin);
+    const Sweeping moving = sweeping(robot, from, to, given.certify.margin);
+    const MotionSettings s = given.with_speed(moving.speed);
     std::vector<BodyId> others;
     candidates(robot, moving.around, others);
     others.erase(std::remove_if(others.begin(), others.end(), [&](BodyId o) { return body(o).root == id; }), others.end());
@@ -153,14 +160,14 @@ MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to,
 }
 
 std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Rigid>& from,
-                                                const std::vector<Rigid>& to, const MotionSettings& s) const {
+                                                const std::vector<Rigid>& to, const MotionSettings& given) const {
     const size_t n = robots.size();
     std::vector<Sweeping> moving;
     std::vector<Box> boxes;
     std::vector<BodyId> sorted = robots;
     std::sort(sorted.begin(), sorted.end());
     for (size_t i = 0; i < n; ++i) {
-        moving.push_back(sweeping(body(robots[i]), from[i], to[i], s.certify.margin));
+        moving.push_back(sweeping(body(robots[i]), from[i], to[i], given.certify.margin));
         boxes.push_back(moving.back().around);
     }
     std::vector<MotionOutcome> out(n);
@@ -170,6 +177,7 @@ std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robot
     index.set_many(rows, boxes);
     std::vector<BodyId> others, near;
     for (size_t i = 0; i < n; ++i) {
+        const MotionSettings s = given.with_speed(moving[i].speed);
         candidates(body(robots[i]), moving[i].around, others);
         others.erase(std::remove_if(others.begin(), others.end(),
                                     [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
@@ -185,7 +193,8 @@ std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robot
         index.overlapping(moving[i].around, near);
         std::sort(near.begin(), near.end());
         for (int32_t j : near)
-            if (static_cast<size_t>(j) > i) meet(moving[i], moving[j], s, out[i], out[j]);
+            if (static_cast<size_t>(j) > i)
+                meet(moving[i], moving[j], given.with_speed(greater(moving[i].speed, moving[j].speed)), out[i], out[j]);
     }
     int64_t checks = 0;
     for (const MotionOutcome& o : out) checks += o.checks;

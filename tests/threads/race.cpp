@@ -29,8 +29,8 @@ template <class Lock>
 Lock locked(const World& w) {
     return locking ? Lock(w.mutex) : Lock(w.mutex, std::defer_lock);
 }
-auto reading(const World& w) { return locked<std::shared_lock<std::shared_mutex>>(w); }
-auto writing(const World& w) { return locked<std::unique_lock<std::shared_mutex>>(w); }
+auto reading(const World& w) { return locked<std::shared_lock<FairMutex>>(w); }
+auto writing(const World& w) { return locked<std::unique_lock<FairMutex>>(w); }
 
 std::shared_ptr<Shape> make_box(double x, double y, double z) {
     std::vector<Vec3> v;

@@ -6,7 +6,6 @@ cd "$(dirname "$0")/../.."
 cxx=${CXX:-c++} out=build/threads
 flags=(-std=c++20 -O1 -g -Wall -Wextra -Wno-psabi -fno-omit-frame-pointer -fsanitize=thread -pthread
   -ffp-contract=off -fno-math-errno -fno-trapping-math -Ifgenv/native)
-objects=()
 mkdir -p "$out"
 
 echo 'int main() {}' >"$out/empty.cpp"
@@ -15,15 +14,7 @@ if ! "$cxx" -fsanitize=thread "$out/empty.cpp" -o "$out/empty" 2>/dev/null; then
   exit 0
 fi
 
-compile() { # compile NAME SOURCE FLAGS...
-  local object=$out/$1.o source=$2
-  shift 2
-  objects+=("$object")
-  if [ -e "$object" ] && [ -z "$(find "$source" fgenv/native tests/threads/race.sh -newer "$object" -print -quit)" ]; then
-    return
-  fi
-  "$cxx" "${flags[@]}" "$@" -c "$source" -o "$object"
-}
+. tests/native_objects.sh
 
 run() { # the sanitizer wants a plain layout of memory
   local plain=()
@@ -32,21 +23,7 @@ run() { # the sanitizer wants a plain layout of memory
 }
 
 compile race tests/threads/race.cpp
-isas=(baseline)
-[ "$(uname -m)" = x86_64 ] && isas+=(v3)
-for source in fgenv/native/*.cpp; do
-  name=$(basename "$source" .cpp)
-  case $name in
-    bind_* | arrays | parallel) ;; # the boundary to Python
-    kernel_*)
-      for isa in "${isas[@]}"; do
-        march=()
-        [ "$isa" = v3 ] && march=(-march=x86-64-v3)
-        compile "$name-$isa" "$source" -DFGENV_ISA="$isa" "${march[@]}"
-      done ;;
-    *) compile "$name" "$source" ;;
-  esac
-done
+compile_core
 "$cxx" -fsanitize=thread -pthread "${objects[@]}" -o "$out/race"
 run
 status=0
