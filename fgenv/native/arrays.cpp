@@ -37,26 +37,41 @@ Array<T> through_numpy(nb::handle value, const char* name, const char* kinds, co
     return wrap(nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array));
 }
 
-// What is wrong with a pose; nullptr if nothing.
+// By how much the columns are off orthonormal.
+double skewness(const double* m) {
+    double worst = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j) {
+            const double d = m[i] * m[j] + m[4 + i] * m[4 + j] + m[8 + i] * m[8 + j] - (i == j);
+            worst = std::fabs(d) <= worst ? worst : std::fabs(d);  // NaN stays
+        }
+    return worst;
+}
+
+double determinant(const double* m) {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+           m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
+constexpr double farthest = 1e12;  // metres
+
+bool is_rigid(const double* m) {
+    return std::fabs(m[3]) <= farthest && std::fabs(m[7]) <= farthest && std::fabs(m[11]) <= farthest &&
+           m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && skewness(m) <= rigid_tolerance &&
+           determinant(m) > 0;
+}
+
+// What is wrong with a pose that is not rigid.
 const char* fault(const double* m, double& value) {
     for (int i = 0; i < 16; ++i)
         if (!std::isfinite(m[i])) return value = m[i], "has an entry that is not finite";
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return value = m[15], "has a last row other than 0 0 0 1";
     for (int i = 3; i < 12; i += 4)
-        if (std::fabs(m[i]) > 1e12) return value = m[i], "is over 1e12 m from the origin";
-    double worst = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) {
-            const double d = m[i] * m[j] + m[4 + i] * m[4 + j] + m[8 + i] * m[8 + j] - (i == j);
-            worst = greater(worst, std::fabs(d));
-        }
-    const double det = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-                       m[2] * (m[4] * m[9] - m[5] * m[8]);
-    value = det;
-    if (det < 0 && worst <= rigid_tolerance) return "mirrors";
-    if (worst > rigid_tolerance) return std::fabs(det) < 1e-9 ? "is singular" : "is scaled or sheared";
-    return nullptr;
+        if (std::fabs(m[i]) > farthest) return value = m[i], "is over 1e12 m from the origin";
+    value = determinant(m);
+    if (skewness(m) <= rigid_tolerance) return "mirrors";
+    return std::fabs(value) < 1e-9 ? "is singular" : "is scaled or sheared";
 }
 
 }  // namespace
@@ -105,31 +120,21 @@ Array<double> points(nb::handle value, const char* name) {
 }
 
 Poses poses(nb::handle value, const char* name) {
-    const Array<double> array = doubles(value, name);
+    Poses out{doubles(value, name), {}};
+    const Array<double>& array = out.array;
     const size_t n = array.dims.size();
     if (n < 2 || array.dims[n - 1] != 4 || array.dims[n - 2] != 4)
         bad_value(std::string(name) + ": shape " + to_string(array.dims) +
                   ", wanted (..., 4, 4), homogeneous poses");
-    Poses out;
     out.dims.assign(array.dims.begin(), array.dims.end() - 2);
-    out.items.resize(array.view.size() / 16);
-    for (size_t i = 0; i < out.items.size(); ++i) {
+    for (size_t i = 0; i < out.size(); ++i) {
         const double* m = array.data() + 16 * i;
+        if (is_rigid(m)) continue;
         double found = 0;
-        if (const char* text = fault(m, found))
-            bad_value(std::string(name) + index_text(out.dims, static_cast<int64_t>(i)) + " " + text + " (" +
-                      number(found) + "): wanted a rigid motion; scale a shape with Shape.load(scale=)");
-        for (int r = 0; r < 3; ++r) {
-            for (int c = 0; c < 3; ++c) out.items[i].r[r][c] = m[4 * r + c];
-            out.items[i].t[r] = m[4 * r + 3];
-        }
+        const char* text = fault(m, found);
+        bad_value(std::string(name) + index_text(out.dims, static_cast<int64_t>(i)) + " " + text + " (" +
+                  number(found) + "): wanted a rigid motion; scale a shape with Shape.load(scale=)");
     }
-    return out;
-}
-
-int64_t Broadcast::offset(size_t operand, int64_t flat) const {
-    int64_t out = 0;
-    for (size_t i = dims.size(); i-- > 0; flat /= dims[i]) out += flat % dims[i] * strides[operand][i];
     return out;
 }
 

@@ -39,10 +39,25 @@ Array<double> points(nb::handle value, const char* name);
 
 // Rigid motions (..., 4, 4): finite, last row 0 0 0 1, orthonormal to 1e-5, right-handed.
 struct Poses {
-    std::vector<Rigid> items;
+    Array<double> array;
     Dims dims;  // without the last two
 
+    size_t size() const { return array.view.size() / 16; }
     bool single() const { return dims.empty(); }
+    Rigid operator[](int64_t i) const {
+        Rigid out;
+        const double* m = array.data() + 16 * i;
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c) out.r[r][c] = m[4 * r + c];
+            out.t[r] = m[4 * r + 3];
+        }
+        return out;
+    }
+    std::vector<Rigid> all() const {
+        std::vector<Rigid> out;
+        for (size_t i = 0; i < size(); ++i) out.push_back((*this)[static_cast<int64_t>(i)]);
+        return out;
+    }
 };
 Poses poses(nb::handle value, const char* name);
 
@@ -62,7 +77,13 @@ struct Broadcast {
     int64_t size = 1;
     std::vector<Dims> strides;  // per operand and dimension, 0 where it is repeated
 
-    int64_t offset(size_t operand, int64_t flat) const;
+    int64_t offset(size_t operand, int64_t flat) const {
+        const Dims& stride = strides[operand];
+        if (dims.size() == 1) return flat * stride[0];
+        int64_t out = 0;
+        for (size_t i = dims.size(); i-- > 0; flat /= dims[i]) out += flat % dims[i] * stride[i];
+        return out;
+    }
 };
 Broadcast broadcast(std::initializer_list<std::pair<const char*, Dims>> operands);
 

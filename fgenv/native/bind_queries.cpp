@@ -30,14 +30,14 @@ nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, dou
     metres_of(margin, "margin");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) {
-        const bool hit = hits(a, ta.items[0], b, tb.items[0], margin);
+        const bool hit = hits(a, ta[0], b, tb[0], margin);
         return nb::cast(hit);
     }
     const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
     Output<bool> out = make_output<bool>(shape.dims);
     parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i)
-            out.data[i] = hits(a, ta.items[shape.offset(0, i)], b, tb.items[shape.offset(1, i)], margin);
+            out.data[i] = hits(a, ta[shape.offset(0, i)], b, tb[shape.offset(1, i)], margin);
     });
     return nb::cast(out.array);
 }
@@ -56,12 +56,12 @@ nb::object distance(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     const int n_threads = threads_of(threads);
-    if (ta.single() && tb.single()) return nb::cast(distance_of(a, ta.items[0], b, tb.items[0]));
+    if (ta.single() && tb.single()) return nb::cast(distance_of(a, ta[0], b, tb[0]));
     const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
     Output<double> out = make_output<double>(shape.dims);
     parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i)
-            out.data[i] = distance_of(a, ta.items[shape.offset(0, i)], b, tb.items[shape.offset(1, i)]);
+            out.data[i] = distance_of(a, ta[shape.offset(0, i)], b, tb[shape.offset(1, i)]);
     });
     return nb::cast(out.array);
 }
@@ -135,7 +135,7 @@ nb::object contact(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     if (!ta.single() || !tb.single())
         throw nb::value_error("Ta, Tb: contact takes one pose each, shape (4, 4); use collide for arrays");
-    const ContactInfo c = contact_of(a, ta.items[0], b, tb.items[0], false);
+    const ContactInfo c = contact_of(a, ta[0], b, tb[0], false);
     if (!c.hit) return nb::none();
     nb::object edge = nb::none();
     if (c.has_edge) edge = nb::make_tuple(tuple_of(c.edge[0]), tuple_of(c.edge[1]));
@@ -156,7 +156,7 @@ nb::object nearest(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb:
     };
     parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
-            const Rigid &at = ta.items[shape.offset(0, i)], &bt = tb.items[shape.offset(1, i)];
+            const Rigid at = ta[shape.offset(0, i)], bt = tb[shape.offset(1, i)];
             const ContactInfo c = contact_of(a, at, b, bt, true);
             if (c.hit) {
                 d.data[i] = 0;
@@ -182,7 +182,7 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
     const Poses t = poses(T, "T");
     const Broadcast shape = broadcast({{"points", rows_of(p)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
-    for (const Rigid& item : t.items) inverses.push_back(inverse(item));
+    for (const Rigid& item : t.all()) inverses.push_back(inverse(item));
     Output<bool> out = make_output<bool>(shape.dims);
     parallel_for(shape.size, threads_of(threads), [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
@@ -202,7 +202,7 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
     if (!(max_distance >= 0)) throw nb::value_error("max_distance: wanted metres, 0 or more");
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
-    for (const Rigid& item : t.items) inverses.push_back(inverse(item));
+    for (const Rigid& item : t.all()) inverses.push_back(inverse(item));
     Output<double> at = make_output<double>(shape.dims);
     Output<int32_t> face = make_output<int32_t>(shape.dims);
     parallel_for(shape.size, threads_of(threads), [&](int64_t first, int64_t last) {

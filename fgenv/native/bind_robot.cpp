@@ -39,7 +39,7 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
     const Poses place = poses(origins, "origins");
     const Array<double> axis = points(axes, "axes");
     const size_t n = kinds.size();
-    if (n == 0 || place.items.size() != n || axis.view.size() != 3 * n || parents.size() != n || firsts.size() != n ||
+    if (n == 0 || place.size() != n || axis.view.size() != 3 * n || parents.size() != n || firsts.size() != n ||
         multipliers.size() != n || offsets.size() != n)
         fail("joints: lists of different lengths, wanted one entry a joint, and a base");
     if (n > most_links) fail("links: " + std::to_string(n) + ", wanted at most " + std::to_string(most_links));
@@ -57,7 +57,7 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
             fail("parents: wanted a base, then joints with their parents before them");
         if (joint.first < 0 || joint.first + size(joint.kind) > static_cast<int>(names.size()))
             fail("firsts: a coordinate that is not there");
-        joint.origin = orthonormal(place.items[i]);
+        joint.origin = orthonormal(place[i]);
         const double* a = axis.data() + 3 * i;
         joint.axis = a[0] == 0 && a[1] == 0 && a[2] == 0 ? Vec3{0, 0, 1} : direction_of(a);
         joint.multiplier = multipliers[i];
@@ -151,7 +151,8 @@ nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handl
     Poses held;
     if (!offset.is_none()) held = poses(offset, "offset");
     if (!held.single()) fail("offset: " + to_string(held.dims) + " poses, wanted one, shape (4, 4)");
-    const Rigid* on_link = offset.is_none() ? nullptr : &held.items[0];
+    const Rigid fixed = offset.is_none() ? identity() : held[0];
+    const Rigid* on_link = offset.is_none() ? nullptr : &fixed;
     const Dims& dims = way.shape.dims;
     Output<double> pose = make_output<double>(dims, {4, 4}), v = make_output<double>(dims, {3}),
                    w = make_output<double>(dims, {3}), at_origin = make_output<double>(dims),

@@ -114,7 +114,7 @@ std::vector<std::string> names_of(nb::handle value, const char* name) {
 Rigid pose_of(nb::handle value, const char* name) {
     const Poses p = poses(value, name);
     if (!p.single()) fail(std::string(name) + ": " + to_string(p.dims) + " poses, wanted one, shape (4, 4)");
-    return p.items[0];
+    return p[0];
 }
 
 nb::object pose_out(const std::vector<Rigid>& poses, const Dims& dims) {
@@ -163,7 +163,7 @@ void set_pose(World& w, nb::handle ids, nb::handle poses_) {
     const Broadcast shape = broadcast({{"ids", wanted}, {"poses", p.dims}});
     if (shape.dims != wanted) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(wanted));
     std::vector<Rigid> each;
-    for (size_t i = 0; i < bodies.size(); ++i) each.push_back(p.items[shape.offset(1, static_cast<int64_t>(i))]);
+    for (size_t i = 0; i < bodies.size(); ++i) each.push_back(p[shape.offset(1, static_cast<int64_t>(i))]);
     w.set_poses(bodies, each);
 }
 
@@ -185,7 +185,7 @@ void set_trajectory(World& w, nb::handle body, nb::handle times, nb::handle pose
         t.times.assign(at.data(), at.data() + at.dims[0]);
         for (size_t i = 1; i < t.times.size(); ++i)
             if (!(t.times[i] > t.times[i - 1])) fail("times[" + std::to_string(i) + "]: not after the one before");
-        t.poses = std::move(p.items);
+        t.poses = p.all();
     }
     const Asked a = asked(body, "body");
     const auto lock = writing(w);
@@ -198,11 +198,11 @@ nb::object id_array(const std::vector<BodyId>& ids) {
 
 nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
     Poses p = poses(poses_, "poses");
-    if (p.dims.size() != 1 || p.items.empty())
+    if (p.dims.size() != 1 || p.size() == 0)
         fail("poses: " + to_string(p.dims) + " way points, wanted (K, 4, 4) with K at least 1");
     const Asked a = asked(robot, "robot");
     const auto lock = writing(w);
-    return id_array(w.set_path(robot_of(w, a), std::move(p.items)));
+    return id_array(w.set_path(robot_of(w, a), p.all()));
 }
 
 nb::object candidates(const World& w, nb::handle robot) {
@@ -245,7 +245,7 @@ struct Posed {
     Broadcast shape;
 
     double time(int64_t i) const { return has_times ? times.data()[shape.offset(1, i)] : now; }
-    const Rigid& pose(int64_t i) const { return poses.items[shape.offset(0, i)]; }
+    Rigid pose(int64_t i) const { return poses[shape.offset(0, i)]; }
     bool single() const { return shape.dims.empty(); }
 };
 
@@ -349,14 +349,14 @@ nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::hand
     const auto lock = reading(w);
     const BodyId id = robot_of(w, a);
     if (shape.dims.empty()) {
-        const MotionOutcome o = w.check_motion(id, from.items[0], to.items[0], s);
+        const MotionOutcome o = w.check_motion(id, from[0], to[0], s);
         return nb::make_tuple(!o.contact.found, o.contact.found ? o.contact.free_until : 1.0,
                               o.contact.found ? o.contact.shown : HUGE_VAL, o.other, o.part, o.checks);
     }
     Outcomes out(shape.dims);
     parallel_for(shape.size, n, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i)
-            out.put(i, w.check_motion(id, from.items[shape.offset(0, i)], to.items[shape.offset(1, i)], s));
+            out.put(i, w.check_motion(id, from[shape.offset(0, i)], to[shape.offset(1, i)], s));
     });
     return out.tuple();
 }
@@ -375,8 +375,8 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::ha
     for (size_t i = 0; i < ids.size(); ++i) {
         root_of(w, ids[i], "robots");
         if (std::count(ids.begin(), ids.end(), ids[i]) > 1) fail("robots: body " + std::to_string(ids[i]) + " is named twice");
-        begin.push_back(from.items[shape.offset(1, static_cast<int64_t>(i))]);
-        end.push_back(to.items[shape.offset(2, static_cast<int64_t>(i))]);
+        begin.push_back(from[shape.offset(1, static_cast<int64_t>(i))]);
+        end.push_back(to[shape.offset(2, static_cast<int64_t>(i))]);
     }
     std::vector<MotionOutcome> found;
     {
@@ -519,7 +519,7 @@ void restore(World& w, const nb::dict& state) {
     for (nb::handle b : bodies)
         if (!b["trajectory"][0].is_none()) set_trajectory(w, b["id"], b["trajectory"][0], b["trajectory"][1]);
     for (nb::handle b : bodies)
-        if (!b["path"].is_none()) w.set_path(id_of(b), poses(b["path"], "path").items, nb::cast<int>(b["bit"]));
+        if (!b["path"].is_none()) w.set_path(id_of(b), poses(b["path"], "path").all(), nb::cast<int>(b["bit"]));
     w.set_end_id(nb::cast<BodyId>(state["end_id"]));
 }
 
