@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,23 @@ Body = int | str  # a body's id or name
 Bodies = Body | Sequence[Body] | NDArray[np.integer[Any]]
 
 TOLERANCE = 1e-6  # metres
+
+
+class Model(Protocol):
+    """What a world asks of a robot; `fgenv.robots.Robot` is one."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def links(self) -> Sequence[Any]: ...  # each with a `name`
+    @property
+    def parts(self) -> Sequence[Any]: ...  # each with `link` (place in `links`), `shape`, `origin`
+    @property
+    def allowed_parts(self) -> Sequence[tuple[int, int]]: ...  # places in `parts`
+    @property
+    def rest(self) -> NDArray[np.float64]: ...  # (nq,)
+    @property
+    def _core(self) -> _core.Robot: ...
 
 
 class MotionResult(NamedTuple):
@@ -76,6 +93,8 @@ class Record:
     shape: Shape
     groups: tuple[str, ...]
     carrier: int | None
+    robot: Model | None  # of a robot's first body, with its
+    configuration: NDArray[np.float64] | None  # (nq,)
 
 
 class World:
@@ -83,7 +102,10 @@ class World:
 
     Poses are (..., 4, 4) rigid motions from a shape's frame to the world, in metres. Wherever a
     body is asked for, its id or its name will do. A robot is a body with all that is attached to
-    it. Queries may run in several threads at once; changes wait for them.
+    it, moved by poses; or a kinematic tree that `add_robot` has brought, moved by configurations:
+    wherever a robot's poses are asked for, such a one takes configurations (..., nq), and its way
+    between two of them is that of `Robot.interpolate`. Its parts are also tested against each
+    other, allowed pairs apart. Queries may run in several threads at once; changes wait for them.
 
     Args:
         masks: `path` (default): only what the masks leave is tested, which hides no collision.
@@ -93,6 +115,7 @@ class World:
 
     def __init__(self, *, masks: str = "path") -> None:
         self._core = _core.World(masks)
+        self._models: dict[int, Model] = {}  # of the robots, by id
 
     def add(
         self,
@@ -113,9 +136,37 @@ class World:
         here = np.eye(4) if pose is None else pose
         return self._core.add_body(shape, here, name, groups, -1)
 
+    def add_robot(
+        self,
+        model: Model,
+        q: ArrayLike | None = None,
+        *,
+        name: str = "",
+        groups: str | Iterable[str] = (),
+    ) -> int:
+        """Add a kinematic robot, one body for each of its shapes; return the first one's id.
+
+        That id, or the name, stands for the robot; `parts` tells the others, which are named
+        `<robot>/<link>` and can be attached to.
+
+        Args:
+            model: a `fgenv.robots.Robot`; many robots may share one.
+            q: (nq,), its configuration; at rest if left out.
+            name: unique in this world; the model's, with a number if that is taken, if left out.
+            groups: of all its bodies.
+        """
+        labels = [link.name for link in model.links]
+        parts = [(labels[part.link], part.link, part.shape, part.origin) for part in model.parts]
+        here = model.rest if q is None else q
+        robot = self._core.add_robot(
+            model._core, here, parts, model.allowed_parts, name, model.name, groups
+        )
+        self._models[robot] = model
+        return robot
+
     def remove(self, body: Body) -> None:
-        """Remove a body; what it carries stays where it is, for itself."""
-        self._core.remove(body)
+        """Remove a body, or a robot; what it carries stays where it is, for itself."""
+        self._models.pop(self._core.remove(body), None)
 
     def __len__(self) -> int:
         return len(self._core)
@@ -138,10 +189,23 @@ class World:
         """Poses (4, 4) of one body, (n, 4, 4) of a sequence."""
         return self._core.poses(ids)
 
+    def set_configuration(self, robot: Body, q: ArrayLike) -> None:
+        """Put a robot of `add_robot` at a configuration (nq,); what it carries comes along."""
+        self._core.set_configuration(robot, q)
+
+    def configuration(self, robot: Body) -> NDArray[np.float64]:
+        """Configuration (nq,) of a robot of `add_robot`."""
+        return self._core.configuration(robot)
+
+    def parts(self, robot: Body) -> NDArray[np.int32]:
+        """Ids of all that moves as one with this: itself, then links, then what they carry."""
+        return self._core.parts(robot)
+
     def attach(self, body: Body, carrier: Body) -> None:
         """Let `carrier` carry `body` from where both are now, as a gripper does or as links do.
 
-        They then move as one robot, and are never tested against each other. The body's own path
+        They then move as one robot, and are never tested against each other; but what a link of a
+        robot carries is tested against its other links: `allow` what may touch. The body's own path
         and trajectory are forgotten.
         """
         self._core.attach(body, carrier)
@@ -164,7 +228,7 @@ class World:
         Args:
             times: (k,) seconds, rising; None forgets the trajectory.
             poses: (k, 4, 4) at those times; between them position linear and orientation by the
-                shortest arc, outside them at rest.
+                shortest arc, outside them at rest. Of a robot configurations, (k, nq).
         """
         self._core.set_trajectory(body, times, poses)
 
@@ -177,7 +241,7 @@ class World:
 
         Args:
             poses: (K, 4, 4) way points; between them position linear, orientation by the shortest
-                arc. A path set before is projected anew.
+                arc. Of a robot configurations, (K, nq). A path set before is projected anew.
         """
         return self._core.set_path(robot, poses)
 
@@ -211,7 +275,7 @@ class World:
         margin: float = 0.0,
         threads: int | None = None,
     ) -> Any:
-        """Whether the robot would collide at poses (..., 4, 4): bool, or a bool array.
+        """Whether it would collide at poses (..., 4, 4) or configurations (..., nq): bool or array.
 
         Touching counts, containment too. Sound whatever path is set.
 
@@ -229,7 +293,10 @@ class World:
         times: ArrayLike | None = None,
         threads: int | None = None,
     ) -> Clearances:
-        """Distance of the robot at poses (..., 4, 4) to the nearest body, and that body."""
+        """Distance at poses (..., 4, 4) or configurations (..., nq) to the nearest other body.
+
+        A robot's parts do not count among themselves.
+        """
         return Clearances(*self._core.clearance(robot, poses, times, threads))
 
     def check_motion(
@@ -247,10 +314,11 @@ class World:
         t1: float | None = None,
         threads: int | None = None,
     ) -> MotionResult:
-        """Move the robot from T0 to T1 (..., 4, 4): proved free, or where it first meets a body.
+        """Move from T0 to T1, (..., 4, 4) or (..., nq): proved free, or where it first meets one.
 
-        Position is linear, orientation takes the shortest arc from T0's, about the robot's origin.
-        Nothing is tunnelled through, however thin or fast.
+        Position is linear, orientation takes the shortest arc from T0's, about the robot's origin;
+        a kinematic robot goes as `Robot.interpolate` says, all of its tree at once, and may meet
+        itself. Nothing is tunnelled through, however thin or fast.
 
         Args:
             margin: metres: nearer than this is contact.
@@ -277,7 +345,9 @@ class World:
         t0: float | None = None,
         t1: float | None = None,
     ) -> MotionResult:
-        """Move robots (n,) from T0 to T1 (n, 4, 4) at once, each against the others' motions too.
+        """Move robots (n,) from T0 to T1 at once, each against the others' motions too.
+
+        T0 and T1 are (n, 4, 4), or (n, nq) for robots that all have the same coordinates.
 
         Every robot's result is its first contact as if all went on: nobody stops for a contact.
         """
@@ -315,6 +385,8 @@ class World:
             shape=shape,
             groups=tuple(found["groups"]),
             carrier=None if found["carrier"] < 0 else found["carrier"],
+            robot=self._models.get(found["id"]),
+            configuration=found["configuration"],
         )
 
     @property
@@ -336,6 +408,7 @@ class World:
         """A world of its own with the same bodies, paths and masks; shapes are shared."""
         other = World(masks=self.masks)
         other._core.copy_from(self._core)
+        other._models = dict(self._models)
         return other
 
     def __copy__(self) -> World:
@@ -345,11 +418,14 @@ class World:
         return self.copy()
 
     def __getstate__(self) -> dict[str, Any]:
-        return self._core.state()
+        state = self._core.state()
+        there = {body["id"] for body in state["bodies"]}
+        return state | {"models": {i: m for i, m in self._models.items() if i in there}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._core = _core.World(state["masks"])
-        self._core.restore(state)
+        self._models = state["models"]
+        self._core.restore(state, {i: model._core for i, model in self._models.items()})
 
     def __repr__(self) -> str:
         return f"World({len(self)} bodies)"

@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "arguments.h"
+#include "configurations.h"
 #include "parallel.h"
 #include "world.h"
 
@@ -119,15 +120,64 @@ Rigid pose_of(nb::handle value, const char* name) {
 
 nb::object pose_out(const std::vector<Rigid>& poses, const Dims& dims) {
     Output<double> out = make_output<double>(dims, {4, 4});
-    for (size_t i = 0; i < poses.size(); ++i) {
-        double* m = out.data + 16 * i;
-        for (int r = 0; r < 3; ++r) {
-            for (int c = 0; c < 3; ++c) m[4 * r + c] = poses[i].r[r][c];
-            m[4 * r + 3] = poses[i].t[r];
-        }
-        m[15] = 1;
-    }
+    for (size_t i = 0; i < poses.size(); ++i) write_pose(poses[i], out.data + 16 * i);
     return nb::cast(out.array);
+}
+
+using Tree = std::shared_ptr<const Robot>;  // null: a body that is no robot
+
+// Places as they come: poses (..., 4, 4) of a body, configurations (..., nq) of a robot.
+struct Places {
+    Tree tree;
+    Poses poses;
+    Configurations configurations{{}, {}, 0};
+
+    const Dims& dims() const { return tree ? configurations.dims : poses.dims; }
+    bool single() const { return dims().empty(); }
+    Place operator[](int64_t i) const {
+        if (!tree) return {poses[i], {}};
+        const double* q = configurations.row(i);
+        return {identity(), {q, q + configurations.nq}};
+    }
+    std::vector<Place> all() const {
+        std::vector<Place> out;
+        for (int64_t i = 0; i < dims()[0]; ++i) out.push_back((*this)[i]);
+        return out;
+    }
+    const char* row() const { return tree ? ", nq)" : ", 4, 4)"; }
+};
+
+Places places(const Tree& tree, nb::handle value, const char* name) {
+    Places out;
+    out.tree = tree;
+    if (tree) out.configurations = configurations(*tree, value, name);
+    else out.poses = poses(value, name);
+    return out;
+}
+
+nb::object places_out(const std::vector<Place>& places, const Tree& tree) {
+    const int64_t n = static_cast<int64_t>(places.size());
+    if (!tree) {
+        std::vector<Rigid> poses;
+        for (const Place& p : places) poses.push_back(p.pose);
+        return pose_out(poses, {n});
+    }
+    std::vector<double> rows;
+    for (const Place& p : places) rows.insert(rows.end(), p.q.begin(), p.q.end());
+    return copy_out(rows.data(), {n, tree->nq()});
+}
+
+// Asked before its places are read, which are checked without the lock.
+Tree tree_of(const World& w, const Asked& asked, const char* name = "robot") {
+    const auto lock = reading(w);
+    return w.body(robot_of(w, asked, name)).robot;
+}
+
+// The one whose tree that was.
+BodyId mover_of(const World& w, const Asked& asked, const Tree& tree, const char* name = "robot") {
+    const BodyId id = robot_of(w, asked, name);
+    if (w.body(id).robot != tree) fail(std::string(name) + ": '" + asked.text + "' was replaced by another thread");
+    return id;
 }
 
 // Times (...), or now where there are none.
@@ -146,11 +196,53 @@ BodyId add(World& w, std::shared_ptr<Shape> shape, nb::handle pose, const std::s
     return w.add(std::move(shape), at, name, names, id);
 }
 
-void remove(World& w, nb::handle body) {
-    const Asked a = asked(body, "body");
-    std::shared_ptr<Shape> last;  // dropped after the lock
+BodyId add_robot(World& w, const Robot& robot, nb::handle q, const nb::list& parts,
+                 const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
+                 const std::string& like, nb::handle groups) {
+    const Configurations c = configurations(robot, q, "q");
+    if (!c.dims.empty()) fail("q: " + to_string(c.dims) + " configurations, wanted one, shape (nq,)");
+    std::vector<RobotPart> bodies;
+    for (nb::handle p : parts)
+        bodies.push_back({nb::cast<std::string>(p[0]), nb::cast<int32_t>(p[1]), nb::cast<std::shared_ptr<Shape>>(p[2]),
+                          pose_of(p[3], "parts")});
+    const std::vector<std::string> names = names_of(groups, "groups");
     const auto lock = writing(w);
-    last = w.remove(body_of(w, a, "body"));
+    return w.add_robot(std::make_shared<const Robot>(robot), {c.row(0), c.row(0) + c.nq}, bodies, allowed,
+                       name.empty() ? w.unused_name(like) : name, names);
+}
+
+BodyId remove(World& w, nb::handle body) {
+    const Asked a = asked(body, "body");
+    std::vector<std::shared_ptr<Shape>> last;  // dropped after the lock
+    const auto lock = writing(w);
+    const BodyId id = body_of(w, a, "body");
+    last = w.remove(id);
+    return id;
+}
+
+void set_configuration(World& w, nb::handle robot, nb::handle q) {
+    const Asked a = asked(robot, "robot");
+    const Tree tree = tree_of(w, a);
+    if (!tree) fail("robot: '" + a.text + "' is a body; set_pose places it");
+    const Places p = places(tree, q, "q");
+    if (!p.single()) fail("q: " + to_string(p.dims()) + " configurations, wanted one, shape (nq,)");
+    const auto lock = writing(w);
+    w.set_configuration(mover_of(w, a, tree), p[0].q);
+}
+
+nb::object configuration(const World& w, nb::handle robot) {
+    const Asked a = asked(robot, "robot");
+    const auto lock = reading(w);
+    const Body& b = w.body(robot_of(w, a));
+    if (!b.robot) fail("robot: '" + b.name + "' is a body; poses tells where it is");
+    return copy_out(b.q.data(), {static_cast<int64_t>(b.q.size())});
+}
+
+nb::object parts(const World& w, nb::handle robot) {
+    const Asked a = asked(robot, "robot");
+    const auto lock = reading(w);
+    const std::vector<BodyId>& ids = w.body(robot_of(w, a)).parts;
+    return copy_out(ids.data(), {static_cast<int64_t>(ids.size())});
 }
 
 void set_pose(World& w, nb::handle ids, nb::handle poses_) {
@@ -176,20 +268,22 @@ nb::object get_poses(const World& w, nb::handle ids) {
 }
 
 void set_trajectory(World& w, nb::handle body, nb::handle times, nb::handle poses_) {
+    const Asked a = asked(body, "body");
+    const Tree tree = tree_of(w, a, "body");
     Trajectory t;
     if (!times.is_none() || !poses_.is_none()) {
         const Array<double> at = times_of(times, "times");
-        Poses p = poses(poses_, "poses");
-        if (at.dims.size() != 1 || at.dims[0] < 1 || p.dims != at.dims)
-            fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims) + ": wanted (k,) and (k, 4, 4), k at least 1");
+        const Places p = places(tree, poses_, "poses");
+        if (at.dims.size() != 1 || at.dims[0] < 1 || p.dims() != at.dims)
+            fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims()) + ": wanted (k,) and (k" + p.row() +
+                 ", k at least 1");
         t.times.assign(at.data(), at.data() + at.dims[0]);
         for (size_t i = 1; i < t.times.size(); ++i)
             if (!(t.times[i] > t.times[i - 1])) fail("times[" + std::to_string(i) + "]: not after the one before");
-        t.poses = p.all();
+        t.places = p.all();
     }
-    const Asked a = asked(body, "body");
     const auto lock = writing(w);
-    w.set_trajectory(robot_of(w, a, "body"), std::move(t));
+    w.set_trajectory(mover_of(w, a, tree, "body"), std::move(t));
 }
 
 nb::object id_array(const std::vector<BodyId>& ids) {
@@ -197,12 +291,13 @@ nb::object id_array(const std::vector<BodyId>& ids) {
 }
 
 nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
-    Poses p = poses(poses_, "poses");
-    if (p.dims.size() != 1 || p.size() == 0)
-        fail("poses: " + to_string(p.dims) + " way points, wanted (K, 4, 4) with K at least 1");
     const Asked a = asked(robot, "robot");
+    const Tree tree = tree_of(w, a);
+    const Places p = places(tree, poses_, "poses");
+    if (p.dims().size() != 1 || p.dims()[0] == 0)
+        fail("poses: " + to_string(p.dims()) + " way points, wanted (K" + p.row() + " with K at least 1");
     const auto lock = writing(w);
-    return id_array(w.set_path(robot_of(w, a), p.all()));
+    return id_array(w.set_path(mover_of(w, a, tree), p.all()));
 }
 
 nb::object candidates(const World& w, nb::handle robot) {
@@ -239,50 +334,52 @@ nb::int_ mask(const World& w, nb::handle body) {
 }
 
 struct Posed {
-    Poses poses;
+    Places places;
     Array<double> times;
     bool has_times;
     Broadcast shape;
 
     double time(int64_t i) const { return has_times ? times.data()[shape.offset(1, i)] : now; }
-    Rigid pose(int64_t i) const { return poses[shape.offset(0, i)]; }
+    Place place(int64_t i) const { return places[shape.offset(0, i)]; }
     bool single() const { return shape.dims.empty(); }
 };
 
-Posed posed(nb::handle poses_, nb::handle times) {
-    Posed out{poses(poses_, "poses"), {}, !times.is_none(), {}};
+Posed posed(const Tree& tree, nb::handle poses_, nb::handle times) {
+    Posed out{places(tree, poses_, "poses"), {}, !times.is_none(), {}};
     if (out.has_times) out.times = times_of(times, "times");
-    out.shape = broadcast({{"poses", out.poses.dims}, {"times", out.times.dims}});
+    out.shape = broadcast({{"poses", out.places.dims()}, {"times", out.times.dims}});
     return out;
 }
 
 nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, double margin,
                     nb::handle threads) {
-    const Posed p = posed(poses_, times);
+    const Asked a = asked(robot, "robot");
+    const Tree tree = tree_of(w, a);
+    const Posed p = posed(tree, poses_, times);
     metres_of(margin, "margin");
     const int n = threads_of(threads);
-    const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, a);
-    if (p.single()) return nb::cast(w.collides(id, p.pose(0), p.time(0), margin));
+    const BodyId id = mover_of(w, a, tree);
+    if (p.single()) return nb::cast(w.collides(id, p.place(0), p.time(0), margin));
     Output<bool> out = make_output<bool>(p.shape.dims);
     parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
-        for (int64_t i = first; i < last; ++i) out.data[i] = w.collides(id, p.pose(i), p.time(i), margin);
+        for (int64_t i = first; i < last; ++i) out.data[i] = w.collides(id, p.place(i), p.time(i), margin);
     });
     return nb::cast(out.array);
 }
 
 nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, nb::handle threads) {
-    const Posed p = posed(poses_, times);
-    const int n = threads_of(threads);
     const Asked a = asked(robot, "robot");
+    const Tree tree = tree_of(w, a);
+    const Posed p = posed(tree, poses_, times);
+    const int n = threads_of(threads);
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, a);
+    const BodyId id = mover_of(w, a, tree);
     Output<double> distance = make_output<double>(p.shape.dims);
     Output<int32_t> other = make_output<int32_t>(p.shape.dims);
     parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
-            const Clearance found = w.clearance(id, p.pose(i), p.time(i));
+            const Clearance found = w.clearance(id, p.place(i), p.time(i));
             distance.data[i] = found.distance;
             other.data[i] = found.other;
         }
@@ -341,13 +438,14 @@ struct Outcomes {
 nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::handle T1, double margin, double tolerance,
                        nb::handle mode, nb::handle resolution, bool first, nb::handle t0, nb::handle t1,
                        nb::handle threads) {
-    const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
-    const MotionSettings s = settings_of(margin, tolerance, resolution_of(mode, resolution), first, t0, t1);
-    const Broadcast shape = broadcast({{"T0", from.dims}, {"T1", to.dims}});
-    const int n = threads_of(threads);
     const Asked a = asked(robot, "robot");
+    const Tree tree = tree_of(w, a);
+    const Places from = places(tree, T0, "T0"), to = places(tree, T1, "T1");
+    const MotionSettings s = settings_of(margin, tolerance, resolution_of(mode, resolution), first, t0, t1);
+    const Broadcast shape = broadcast({{"T0", from.dims()}, {"T1", to.dims()}});
+    const int n = threads_of(threads);
     const auto lock = reading(w);
-    const BodyId id = robot_of(w, a);
+    const BodyId id = mover_of(w, a, tree);
     if (shape.dims.empty()) {
         const MotionOutcome o = w.check_motion(id, from[0], to[0], s);
         return nb::make_tuple(!o.contact.found, o.contact.found ? o.contact.free_until : 1.0,
@@ -361,19 +459,36 @@ nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::hand
     return out.tuple();
 }
 
+// Of movers that are asked together: all bodies, or robots with the same coordinates.
+std::vector<Tree> trees_of(const World& w, const AskedBodies& all, const char* name) {
+    const auto lock = reading(w);
+    std::vector<Tree> out;
+    for (const Asked& a : all.items) {
+        out.push_back(w.body(robot_of(w, a, name)).robot);
+        const Tree &first = out[0], &last = out.back();
+        if (!first != !last || (first && (first->coordinates != last->coordinates || first->most != last->most)))
+            fail(std::string(name) + ": '" + a.text + "' has other coordinates than '" + all.items[0].text +
+                 "', wanted bodies alone, or robots of one kind");
+    }
+    return out;
+}
+
 nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::handle T1, double margin,
                         double tolerance, nb::handle t0, nb::handle t1) {
-    const Poses from = poses(T0, "T0"), to = poses(T1, "T1");
-    const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
     const AskedBodies all = asked_bodies(robots, "robots");
+    const std::vector<Tree> trees = trees_of(w, all, "robots");
+    const Tree tree = trees.empty() ? nullptr : trees[0];
+    const Places from = places(tree, T0, "T0"), to = places(tree, T1, "T1");
+    const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
     const auto lock = reading(w);
     const std::vector<BodyId> ids = all.ids(w, "robots");
     const Dims wanted{static_cast<int64_t>(ids.size())};
-    const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims}, {"T1", to.dims}});
-    if (all.one || shape.dims != wanted) fail("robots, T0, T1: wanted (n,), (n, 4, 4), (n, 4, 4)");
-    std::vector<Rigid> begin, end;
+    const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims()}, {"T1", to.dims()}});
+    if (all.one || shape.dims != wanted)
+        fail(std::string("robots, T0, T1: wanted (n,), ") + (tree ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
+    std::vector<Place> begin, end;
     for (size_t i = 0; i < ids.size(); ++i) {
-        root_of(w, ids[i], "robots");
+        mover_of(w, all.items[i], trees[i], "robots");
         if (std::count(ids.begin(), ids.end(), ids[i]) > 1) fail("robots: body " + std::to_string(ids[i]) + " is named twice");
         begin.push_back(from[shape.offset(1, static_cast<int64_t>(i))]);
         end.push_back(to[shape.offset(2, static_cast<int64_t>(i))]);
@@ -444,15 +559,18 @@ nb::dict record_of(const World& w, const Body& b) {
     out["allowed"] = b.allowed;
     out["carrier"] = b.carrier;
     out["root"] = b.root;
+    out["link"] = b.link;
     out["offset"] = pose_out({b.offset}, {});
+    out["built_in"] = b.built_in;
+    out["configuration"] = b.robot ? copy_out(b.q.data(), {static_cast<int64_t>(b.q.size())}) : nb::none();
     out["parts"] = b.parts;
     const Path* path = w.path(b.id);
-    out["path"] = path ? pose_out(path->poses, {static_cast<int64_t>(path->poses.size())}) : nb::none();
+    out["path"] = path ? places_out(path->places, b.robot) : nb::none();
     out["bit"] = w.own_bit(b.id);
     nb::object times = nb::none(), poses = nb::none();
     if (b.trajectory) {
         times = copy_out(b.trajectory->times.data(), {static_cast<int64_t>(b.trajectory->times.size())});
-        poses = pose_out(b.trajectory->poses, {static_cast<int64_t>(b.trajectory->poses.size())});
+        poses = places_out(b.trajectory->places, b.robot);
     }
     out["trajectory"] = nb::make_tuple(times, poses);
     return out;
@@ -502,16 +620,23 @@ nb::dict state(const World& w) {
     return out;
 }
 
-// Fills a new world with what `state` told.
-void restore(World& w, const nb::dict& state) {
+// Fills a new world with what `state` told; `robots`: the trees of bodies that are robots, by id.
+void restore(World& w, const nb::dict& state, const nb::dict& robots) {
     const nb::list bodies(state["bodies"]);
     const auto id_of = [](nb::handle b) { return nb::cast<BodyId>(b["id"]); };
     for (nb::handle b : bodies)
         w.add(nb::cast<std::shared_ptr<Shape>>(b["shape"]), pose_of(b["pose"], "pose"), nb::cast<std::string>(b["name"]),
               nb::cast<std::vector<std::string>>(b["groups"]), id_of(b));
-    for (nb::handle b : bodies)
-        w.restore(id_of(b), nb::cast<BodyId>(b["carrier"]), nb::cast<BodyId>(b["root"]), pose_of(b["offset"], "offset"),
-                  nb::cast<std::vector<BodyId>>(b["parts"]));
+    for (nb::handle b : bodies) {
+        World::Bond bond{nb::cast<BodyId>(b["carrier"]), nb::cast<BodyId>(b["root"]), nb::cast<int32_t>(b["link"]),
+                         pose_of(b["offset"], "offset"), nb::cast<bool>(b["built_in"]),
+                         nb::cast<std::vector<BodyId>>(b["parts"]), nullptr, {}};
+        if (!b["configuration"].is_none()) {
+            bond.robot = std::make_shared<const Robot>(nb::cast<const Robot&>(robots[b["id"]]));
+            bond.q = places(bond.robot, b["configuration"], "configuration")[0].q;
+        }
+        w.restore(id_of(b), std::move(bond));
+    }
     for (nb::handle b : bodies)
         for (BodyId other : nb::cast<std::vector<BodyId>>(b["allowed"])) w.allow(id_of(b), other, true);
     for (nb::handle pair : state["allowed_groups"])
@@ -519,7 +644,8 @@ void restore(World& w, const nb::dict& state) {
     for (nb::handle b : bodies)
         if (!b["trajectory"][0].is_none()) set_trajectory(w, b["id"], b["trajectory"][0], b["trajectory"][1]);
     for (nb::handle b : bodies)
-        if (!b["path"].is_none()) w.set_path(id_of(b), poses(b["path"], "path").all(), nb::cast<int>(b["bit"]));
+        if (!b["path"].is_none())
+            w.set_path(id_of(b), places(w.body(id_of(b)).robot, b["path"], "path").all(), nb::cast<int>(b["bit"]));
     w.set_end_id(nb::cast<BodyId>(state["end_id"]));
 }
 
@@ -542,8 +668,13 @@ void bind_world(nb::module_& m) {
         })
         .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, "groups"_a.none(), "id"_a)
         .def("state", &state)
-        .def("restore", &restore, "state"_a)
+        .def("restore", &restore, "state"_a, "robots"_a)
+        .def("add_robot", &add_robot, "robot"_a, "q"_a.none(), "parts"_a, "allowed"_a, "name"_a, "like"_a,
+             "groups"_a.none())
         .def("remove", &remove, "body"_a.none())
+        .def("set_configuration", &set_configuration, "robot"_a.none(), "q"_a.none())
+        .def("configuration", &configuration, "robot"_a.none())
+        .def("parts", &parts, "robot"_a.none())
         .def("set_pose", &set_pose, "ids"_a.none(), "poses"_a.none())
         .def("poses", &get_poses, "ids"_a.none())
         .def("attach", [](World& w, nb::handle body, nb::handle carrier) {

@@ -69,19 +69,18 @@ public:
     double stay(double t) {
         place(t);
         const Nearest near = kernels().nearest_faces(xa_.data(), xb_.data());
-        const Vec3 n = unit(near.on_b - near.on_a);
-        double top = -HUGE_VAL, bottom = HUGE_VAL;  // of a's corners, of b's
-        double rise = -HUGE_VAL, fall = HUGE_VAL;  // the fastest of a towards b, the slowest of b away
-        for (int k = 0; k < 3; ++k) {
-            top = greater(top, dot(n, xa_[k]));
-            bottom = lesser(bottom, dot(n, xb_[k]));
-            const double ua = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
-            const double ub = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
-            rise = greater(rise, ua);
-            fall = lesser(fall, ub);
-        }
-        const double gap = bottom - top - settings_.margin - slack_;
-        return gap > 0 ? time(gap, rise - fall) : 0;
+        double longest = stay_along(unit(near.on_b - near.on_a));
+        if (longest > 0) return longest;
+        // So near that rounding turns that direction: those of the faces' own features do not feel the gap.
+        const auto look_along = [&](Vec3 along) {
+            const Vec3 n = unit(along);
+            longest = greater(longest, greater(stay_along(n), stay_along(-1.0 * n)));
+        };
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) look_along(cross(side(xa_, i), side(xb_, j)));
+        look_along(cross(side(xa_, 0), side(xa_, 1)));
+        look_along(cross(side(xb_, 0), side(xb_, 1)));
+        return longest;
     }
 
     // Whether the faces meet at t, or are nearer than the margin.
@@ -103,6 +102,24 @@ public:
     }
 
 private:
+    static Vec3 side(const Corners& face, int k) { return face[(k + 1) % 3] - face[k]; }
+
+    // How long a plane across the unit vector n parts the faces for certain, b on the side it points to.
+    double stay_along(Vec3 n) const {
+        double top = -HUGE_VAL, bottom = HUGE_VAL;  // of a's corners, of b's
+        double rise = -HUGE_VAL, fall = HUGE_VAL;  // the fastest of a towards b, the slowest of b away
+        for (int k = 0; k < 3; ++k) {
+            top = greater(top, dot(n, xa_[k]));
+            bottom = lesser(bottom, dot(n, xb_[k]));
+            const double ua = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
+            const double ub = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
+            rise = greater(rise, ua);
+            fall = lesser(fall, ub);
+        }
+        const double gap = bottom - top - settings_.margin - slack_;
+        return gap > 0 ? time(gap, rise - fall) : 0;
+    }
+
     void place(double t) {
         now_ = instant(a_, b_, t);
         centre_a_ = origin(now_.a) - origin(now_.b);

@@ -9,23 +9,27 @@
 #include "box_index.h"
 #include "certify.h"
 #include "fair_mutex.h"
+#include "mover.h"
 
 namespace fgenv {
 
 using BodyId = int32_t;
 
-// A motion known ahead: at `poses[i]` at `times[i]` (seconds), between them as RigidMotion, outside them
-// at rest.
+// A motion known ahead: at `places[i]` at `times[i]` (seconds), between them straight, outside them at rest.
 struct Trajectory {
     std::vector<double> times;
-    std::vector<Rigid> poses;
+    std::vector<Place> places;
 
-    Rigid pose(double time) const;
-    // The motion over [from, to], which holds no time of a pose inside, as seen by fractions [0, 1].
-    RigidMotion between(double from, double to, const Rigid* offset) const;
+    // The leg that holds a time: from a place to the next, and where between them.
+    struct Leg {
+        const Place &from, &to;
+        double begin, length;  // seconds; a length of 0: at rest
+    };
+    Leg leg(double time) const;
 };
 
-// A body is carried by another or stands for itself; with all that it carries it is a mover.
+// A body is carried by another or stands for itself; with all that it carries it is a mover. A robot's
+// bodies are the shapes of its links; they carry further bodies.
 struct Body {
     BodyId id;
     std::shared_ptr<Shape> shape;
@@ -36,15 +40,32 @@ struct Body {
     std::vector<int32_t> groups;
     std::vector<BodyId> allowed;  // sorted: contact with them is no collision
     BodyId carrier = -1, root;
-    Rigid offset = identity();     // in the root's frame
+    int32_t link = 0;              // of the root, if that is a robot
+    Rigid offset = identity();     // in the frame of the root or its link
+    bool built_in = false;         // a shape of a robot
     std::vector<BodyId> parts;     // of a root: itself, then all that it carries
     std::vector<BodyId> movers;    // sorted: whose motion box it meets
     std::unique_ptr<Trajectory> trajectory;  // of a root
+    std::shared_ptr<const Robot> robot;      // of a root that is one, and
+    std::vector<double> q;                   // its configuration, and
+    std::vector<std::pair<int32_t, int32_t>> own_pairs;  // places in `parts` of those that must not meet
+
+    bool stands_for_itself() const { return root == id && !robot; }
+    const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
+    Place place() const { return {pose, q}; }
+};
+
+// A shape of a robot.
+struct RobotPart {
+    std::string link_name;
+    int32_t link;
+    std::shared_ptr<Shape> shape;
+    Rigid offset;
 };
 
 struct Path {
     int bit = 0;
-    std::vector<Rigid> poses;
+    std::vector<Place> places;
     std::vector<Box> legs;               // motion boxes
     std::vector<int32_t> items;          // of the legs in the index
     std::vector<BodyId> candidates;      // sorted
@@ -93,30 +114,45 @@ public:
 
     BodyId add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
                const std::vector<std::string>& groups, BodyId id = -1);
+    // Bodies for its parts, the first of which stands for the robot; `allowed`: pairs of parts that may meet.
+    BodyId add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q, const std::vector<RobotPart>& parts,
+                     const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
+                     const std::vector<std::string>& groups);
+    std::string unused_name(const std::string& like) const;
     // Gives back what may hold the last reference to a shape, to be dropped where Python may be called.
-    std::shared_ptr<Shape> remove(BodyId id);
+    std::vector<std::shared_ptr<Shape>> remove(BodyId id);
     void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
+    void set_configuration(BodyId robot, std::vector<double> q);
     void attach(BodyId id, BodyId carrier);
     void detach(BodyId id);
     // What stands for itself is carried again, bit for bit where it was (attaching would round).
-    void restore(BodyId id, BodyId carrier, BodyId root, const Rigid& offset, std::vector<BodyId> parts);
+    struct Bond {
+        BodyId carrier, root;
+        int32_t link;
+        Rigid offset;
+        bool built_in;
+        std::vector<BodyId> parts;
+        std::shared_ptr<const Robot> robot;
+        std::vector<double> q;
+    };
+    void restore(BodyId id, Bond bond);
     void allow(BodyId a, BodyId b, bool allowed);
     void allow_groups(const std::string& a, const std::string& b, bool allowed);
     void set_trajectory(BodyId id, Trajectory trajectory);  // without times: forgets it
 
     // Its bit is the one given, else the one it has, else the lowest that is free.
-    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Rigid> poses, int bit = -1);
+    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Place> places, int bit = -1);
     void clear_path(BodyId robot);
     const Path* path(BodyId robot) const;
     const std::map<BodyId, Path>& paths() const { return paths_; }
     int own_bit(BodyId robot) const;
 
-    bool collides(BodyId robot, const Rigid& pose, double time, double margin) const;
-    Clearance clearance(BodyId robot, const Rigid& pose, double time) const;
-    MotionOutcome check_motion(BodyId robot, const Rigid& from, const Rigid& to, const MotionSettings& settings) const;
+    bool collides(BodyId robot, const Place& place, double time, double margin) const;
+    Clearance clearance(BodyId robot, const Place& place, double time) const;
+    MotionOutcome check_motion(BodyId robot, const Place& from, const Place& to, const MotionSettings& settings) const;
     // All at once, each against the others' motions too.
-    std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Rigid>& from,
-                                             const std::vector<Rigid>& to, const MotionSettings& settings) const;
+    std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
+                                             const std::vector<Place>& to, const MotionSettings& settings) const;
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
     // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
@@ -145,24 +181,32 @@ private:
     Body& at(BodyId id);
     Body& root_at(BodyId id, const char* what);
     int32_t group(const std::string& name);
+    const Robot* robot_of(const Body& body) const { return bodies_[body.root]->robot.get(); }
     void refresh(Body& body, const Rigid& pose);
     void settle(BodyId id);
-    void adopt(BodyId id, BodyId root, const Rigid& offset);
+    void adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset);
+    void put(const std::vector<BodyId>& roots, const std::vector<Place>& places);
+    void erase_body(BodyId id, std::vector<std::shared_ptr<Shape>>& shapes);
+    void find_own_pairs(Body& robot);
+    void bonds_changed(BodyId root);
     bool meets(const Path& path, BodyId robot, const Body& body) const;
     void update_masks(BodyId id);
     void update_all_masks();
     void find_movers(BodyId id, std::vector<BodyId>& out) const;
     void drop_legs(Path& path);
-    std::vector<Box> legs_of(const Body& robot, const std::vector<Rigid>& poses) const;
+    std::vector<Box> legs_of(const Body& robot, const std::vector<Place>& places) const;
     void set_candidates(BodyId robot, std::vector<BodyId> candidates);
     void candidates(const Body& robot, const Box& box, std::vector<BodyId>& out) const;
     Rigid pose_of(const Body& body, double time) const;
     Box box_of(const Body& body, double time) const;
-    Sweeping sweeping(const Body& robot, const Rigid& from, const Rigid& to, double margin) const;
+    Sweeping sweeping(const Body& robot, const Place& from, const Place& to, double margin) const;
     bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                     MotionOutcome& out) const;
     MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s) const;
     void certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const;
+    void certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
+                     MotionOutcome& out) const;
+    void certify_itself(const Sweeping& moving, const MotionSettings& s, MotionOutcome& out) const;
     void meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, MotionOutcome& of_a,
               MotionOutcome& of_b) const;
 

@@ -32,8 +32,9 @@ World::World(const World& other)
         if (!body) continue;
         const Body& b = *body;
         bodies_.back().reset(new Body{b.id, b.shape, b.name, b.pose, b.box, b.extent, b.groups, b.allowed, b.carrier, b.root,
-                                      b.offset, b.parts, b.movers,
-                                      b.trajectory ? std::make_unique<Trajectory>(*b.trajectory) : nullptr});
+                                      b.link, b.offset, b.built_in, b.parts, b.movers,
+                                      b.trajectory ? std::make_unique<Trajectory>(*b.trajectory) : nullptr, b.robot, b.q,
+                                      b.own_pairs});
     }
 }
 
@@ -69,14 +70,16 @@ int32_t World::group(const std::string& name) {
     return static_cast<int32_t>(std::find(groups_.begin(), groups_.end(), name) - groups_.begin());
 }
 
+std::string World::unused_name(const std::string& like) const {
+    std::string name = like;
+    for (int i = 2; names_.count(name); ++i) name = like + " (" + std::to_string(i) + ")";
+    return name;
+}
+
 BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
                   const std::vector<std::string>& groups, BodyId id) {
     if (id < 0) id = end_id();
-    if (name.empty()) {
-        const std::string plain = "body " + std::to_string(id);
-        name = plain;
-        for (int i = 2; names_.count(name); ++i) name = plain + " (" + std::to_string(i) + ")";
-    }
+    if (name.empty()) name = unused_name("body " + std::to_string(id));
     if (names_.count(name))
         throw std::invalid_argument("name: '" + name + "' is taken by body " + std::to_string(names_[name]) +
                                     ", wanted one that no body of this world has");
@@ -96,20 +99,68 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
     return id;
 }
 
-std::shared_ptr<Shape> World::remove(BodyId id) {
+BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q,
+                        const std::vector<RobotPart>& parts, const std::vector<std::pair<int32_t, int32_t>>& allowed,
+                        const std::string& name, const std::vector<std::string>& groups) {
+    if (parts.empty()) throw std::invalid_argument("robot: it has no shapes, wanted one at least");
+    const Place place{identity(), std::move(q)};
+    const Frames frames = frames_at(robot.get(), place);
+    std::vector<BodyId> ids;
+    try {
+        for (const RobotPart& p : parts)
+            ids.push_back(add(p.shape, compose(frames[p.link], p.offset),
+                              ids.empty() ? name : unused_name(name + "/" + p.link_name), groups));
+    } catch (...) {
+        for (BodyId id : ids) remove(id);
+        throw;
+    }
+    for (size_t i = 0; i < ids.size(); ++i) {
+        Body& b = at(ids[i]);
+        b.carrier = i ? ids[0] : -1;
+        b.root = ids[0];
+        b.link = parts[i].link;
+        b.offset = parts[i].offset;
+        b.built_in = true;
+        b.parts.clear();
+    }
+    for (const auto& [i, j] : allowed) {
+        insert(at(ids[i]).allowed, ids[j]);
+        insert(at(ids[j]).allowed, ids[i]);
+    }
+    Body& root = at(ids[0]);
+    root.parts = ids;
+    root.robot = std::move(robot);
+    root.q = place.q;
+    bonds_changed(root.id);
+    return root.id;
+}
+
+std::vector<std::shared_ptr<Shape>> World::remove(BodyId id) {
     Body& b = at(id);
+    if (b.built_in && b.carrier >= 0)
+        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name + "'; remove that");
+    const auto goes = [&](const Body& x) { return x.id == id || (b.robot && x.built_in && x.root == id); };
     const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and carry in its turn
+    std::vector<BodyId> going;
     for (BodyId part : family)
-        if (body(part).carrier == id) detach(part);
+        if (goes(body(part))) going.push_back(part);
+    for (BodyId part : family)
+        if (const BodyId carrier = body(part).carrier; carrier >= 0 && !goes(body(part)) && goes(body(carrier))) detach(part);
     if (b.carrier >= 0) detach(id);
     clear_path(id);
+    std::vector<std::shared_ptr<Shape>> shapes;
+    for (BodyId part : going) erase_body(part, shapes);
+    return shapes;
+}
+
+void World::erase_body(BodyId id, std::vector<std::shared_ptr<Shape>>& shapes) {
+    Body& b = at(id);
     for (BodyId mover : b.movers) erase(paths_.at(mover).candidates, id);
     for (BodyId other : b.allowed) erase(at(other).allowed, id);
     index_.remove(id);
     names_.erase(b.name);
-    std::shared_ptr<Shape> shape = std::move(b.shape);
+    shapes.push_back(std::move(b.shape));
     bodies_[id].reset();
-    return shape;
 }
 
 // Places a body; its entry in the index and the masks are for whoever calls.
@@ -118,11 +169,10 @@ void World::refresh(Body& body, const Rigid& pose) {
     body.box = body.extent = posed_box(*body.shape, pose);
     const Body& root = *bodies_[body.root];
     if (!root.trajectory) return;
-    const Trajectory& t = *root.trajectory;
-    const Rigid* offset = &body == &root ? nullptr : &body.offset;
-    for (size_t i = 0; i < t.times.size(); ++i) {
-        const size_t j = std::min(i + 1, t.times.size() - 1);
-        grow(body.extent, swept_box(*body.shape, RigidMotion(t.poses[i], t.poses[j], offset), 0, 1));
+    const std::vector<Place>& places = root.trajectory->places;
+    for (size_t i = 0; i < places.size(); ++i) {
+        const MoverMotion leg(root.robot.get(), places[i], places[std::min(i + 1, places.size() - 1)]);
+        grow(body.extent, swept_box(*body.shape, *leg.part(body.link, body.held_at()), 0, 1));
     }
 }
 
@@ -133,23 +183,41 @@ void World::settle(BodyId id) {
 }
 
 void World::set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses) {
-    for (BodyId id : ids) root_at(id, "ids");  // all or nothing
+    for (BodyId id : ids)  // all or nothing
+        if (const Body& b = root_at(id, "ids"); b.robot)
+            throw std::invalid_argument("ids: '" + b.name + "' is a robot; set_configuration places it");
+    std::vector<Place> places;
+    for (const Rigid& pose : poses) places.push_back({pose, {}});
+    put(ids, places);
+}
+
+void World::set_configuration(BodyId robot, std::vector<double> q) {
+    if (!root_at(robot, "robot").robot)
+        throw std::invalid_argument("robot: '" + body(robot).name + "' is a body; set_pose places it");
+    put({robot}, {{identity(), std::move(q)}});
+}
+
+void World::put(const std::vector<BodyId>& roots, const std::vector<Place>& places) {
     std::vector<BodyId> moved;
     std::vector<Box> extents;
-    for (size_t i = 0; i < ids.size(); ++i)
-        for (BodyId id : body(ids[i]).parts) {
+    for (size_t i = 0; i < roots.size(); ++i) {
+        Body& root = at(roots[i]);
+        root.q = places[i].q;
+        const Frames frames = frames_at(root.robot.get(), places[i]);
+        for (BodyId id : root.parts) {
             Body& part = at(id);
-            refresh(part, id == ids[i] ? poses[i] : compose(poses[i], part.offset));
+            refresh(part, part.held_at() ? compose(frames[part.link], part.offset) : frames.body);
             moved.push_back(id);
             extents.push_back(part.extent);
         }
+    }
     index_.set_many(moved, extents);
     if (!paths_.empty())
         for (BodyId id : moved) update_masks(id);
 }
 
 // Puts a body and all that it carries under a root.
-void World::adopt(BodyId id, BodyId root, const Rigid& offset) {
+void World::adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset) {
     Body& b = at(id);
     const Rigid back = inverse(b.offset);
     std::vector<BodyId> family;
@@ -165,51 +233,73 @@ void World::adopt(BodyId id, BodyId root, const Rigid& offset) {
     for (BodyId part : family) {
         Body& p = at(part);
         p.offset = part == id ? offset : compose(offset, compose(back, p.offset));
+        p.link = link;
         p.root = root;
-        if (part == root) p.offset = identity();
     }
     std::vector<BodyId>& parts = at(root).parts;
     parts.insert(parts.end(), family.begin(), family.end());
 }
 
+// After parts have come to a mover or left it.
+void World::bonds_changed(BodyId root) {
+    Body& r = at(root);
+    for (BodyId part : r.parts) {
+        refresh(at(part), body(part).pose);
+        index_.set(part, body(part).extent);
+    }
+    find_own_pairs(r);
+    if (path(root)) set_path(root, std::vector<Place>(paths_.at(root).places));
+}
+
+void World::find_own_pairs(Body& robot) {
+    robot.own_pairs.clear();
+    if (!robot.robot) return;
+    const int32_t n = static_cast<int32_t>(robot.parts.size());
+    for (int32_t i = 0; i < n; ++i)
+        for (int32_t j = i + 1; j < n; ++j)
+            if (!ignores(body(robot.parts[i]), body(robot.parts[j]))) robot.own_pairs.emplace_back(i, j);
+}
+
 void World::attach(BodyId id, BodyId carrier) {
     Body& b = root_at(id, "body");
     const Body& c = body(carrier);
+    if (b.robot)
+        throw std::invalid_argument("body: '" + b.name + "' is a robot, which nothing carries; make both one robot");
     if (c.root == id)
         throw std::invalid_argument("carrier: '" + c.name + "' is '" + b.name + "' or carried by it");
     clear_path(id);
     b.trajectory.reset();
     b.carrier = carrier;
     const Body& root = body(c.root);
-    adopt(id, c.root, compose(inverse(root.pose), b.pose));
-    for (BodyId part : body(c.root).parts) {
-        refresh(at(part), body(part).pose);
-        index_.set(part, body(part).extent);
-    }
-    if (path(c.root)) set_path(c.root, std::vector<Rigid>(paths_.at(c.root).poses));
+    const Frames frames = frames_at(root.robot.get(), root.place());
+    adopt(id, c.root, c.link, compose(inverse(frames[c.link]), b.pose));
+    bonds_changed(c.root);
     update_all_masks();
 }
 
 void World::detach(BodyId id) {
     Body& b = at(id);
     if (b.carrier < 0) throw std::invalid_argument("body: '" + b.name + "' is not carried");
+    if (b.built_in)
+        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name + "'");
     const BodyId root = b.root;
     b.carrier = -1;
-    adopt(id, id, identity());
-    for (BodyId part : body(id).parts) {
-        refresh(at(part), body(part).pose);
-        index_.set(part, body(part).extent);
-    }
-    if (path(root)) set_path(root, std::vector<Rigid>(paths_.at(root).poses));
+    adopt(id, id, 0, identity());
+    bonds_changed(id);
+    bonds_changed(root);
     update_all_masks();
 }
 
-void World::restore(BodyId id, BodyId carrier, BodyId root, const Rigid& offset, std::vector<BodyId> parts) {
+void World::restore(BodyId id, Bond bond) {
     Body& b = at(id);
-    b.carrier = carrier;
-    b.root = root;
-    b.offset = offset;
-    b.parts = std::move(parts);
+    b.carrier = bond.carrier;
+    b.root = bond.root;
+    b.link = bond.link;
+    b.offset = bond.offset;
+    b.built_in = bond.built_in;
+    b.parts = std::move(bond.parts);
+    b.robot = std::move(bond.robot);
+    b.q = std::move(bond.q);
 }
 
 void World::allow(BodyId a, BodyId b, bool allowed) {
@@ -222,6 +312,7 @@ void World::allow(BodyId a, BodyId b, bool allowed) {
         erase(first.allowed, b);
         erase(second.allowed, a);
     }
+    if (first.root == second.root) find_own_pairs(at(first.root));
     update_all_masks();
 }
 
@@ -230,11 +321,13 @@ void World::allow_groups(const std::string& a, const std::string& b, bool allowe
     const std::pair<int32_t, int32_t> pair{std::min(i, j), std::max(i, j)};
     if (allowed) insert(allowed_groups_, pair);
     else erase(allowed_groups_, pair);
+    for (const auto& body : bodies_)
+        if (body) find_own_pairs(*body);
     update_all_masks();
 }
 
 bool World::ignores(const Body& a, const Body& b) const {
-    if (a.root == b.root) return true;
+    if (a.root == b.root && (a.link == b.link || !robot_of(a))) return true;
     if (contains(a.allowed, b.id)) return true;
     if (allowed_groups_.empty()) return false;
     for (int32_t i : a.groups)
@@ -261,20 +354,11 @@ size_t World::nbytes() const {
     return n;
 }
 
-Rigid Trajectory::pose(double time) const {
+Trajectory::Leg Trajectory::leg(double time) const {
     const size_t next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
-    if (next == 0) return poses.front();
-    if (next == times.size()) return poses.back();
-    const double begin = times[next - 1], length = times[next] - begin;
-    return RigidMotion(poses[next - 1], poses[next]).pose((time - begin) / length);
-}
-
-RigidMotion Trajectory::between(double from, double to, const Rigid* offset) const {
-    const size_t next = std::upper_bound(times.begin(), times.end(), from) - times.begin();
-    if (next == 0) return RigidMotion(poses.front(), poses.front(), offset);
-    if (next == times.size()) return RigidMotion(poses.back(), poses.back(), offset);
-    const double begin = times[next - 1], length = times[next] - begin;
-    return RigidMotion(poses[next - 1], poses[next], offset).retimed((from - begin) / length, (to - from) / length);
+    if (next == 0) return {places.front(), places.front(), time, 0};
+    if (next == times.size()) return {places.back(), places.back(), time, 0};
+    return {places[next - 1], places[next], times[next - 1], times[next] - times[next - 1]};
 }
 
 }  // namespace fgenv

@@ -34,19 +34,19 @@ int World::own_bit(BodyId robot) const {
 }
 
 // The box of each leg holds all parts of the robot all along it; a single way point is a leg as well.
-std::vector<Box> World::legs_of(const Body& robot, const std::vector<Rigid>& poses) const {
+std::vector<Box> World::legs_of(const Body& robot, const std::vector<Place>& places) const {
     std::vector<Box> legs;
     if (masks_ == Masks::published) {
         Box box = empty_box();
-        for (const Rigid& pose : poses) grow(box, origin(pose));
+        for (const Place& p : places) grow(box, origin(frames_at(robot.robot.get(), p)[robot.link]));
         return {box};
     }
-    for (size_t i = 0; i + 1 < std::max<size_t>(poses.size(), 2); ++i) {
+    for (size_t i = 0; i + 1 < std::max<size_t>(places.size(), 2); ++i) {
+        const MoverMotion motion(robot.robot.get(), places[i], places[std::min(i + 1, places.size() - 1)]);
         Box leg = empty_box();
         for (BodyId id : robot.parts) {
             const Body& part = body(id);
-            const Rigid* offset = &part == &robot ? nullptr : &part.offset;
-            grow(leg, swept_box(*part.shape, RigidMotion(poses[i], poses[std::min(i + 1, poses.size() - 1)], offset), 0, 1));
+            grow(leg, swept_box(*part.shape, *motion.part(part.link, part.held_at()), 0, 1));
         }
         legs.push_back(leg);
     }
@@ -61,7 +61,7 @@ void World::set_candidates(BodyId robot, std::vector<BodyId> candidates) {
     p.candidates = std::move(candidates);
 }
 
-const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Rigid> poses, int bit) {
+const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> places, int bit) {
     const Body& b = root_at(robot, "robot");
     const bool known = paths_.count(robot) != 0;
     Path& p = paths_[robot];
@@ -75,8 +75,8 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Rigid> pose
         for (int other : taken) p.bit += other == p.bit;
     }
     drop_legs(p);
-    p.poses = std::move(poses);
-    p.legs = legs_of(b, p.poses);
+    p.places = std::move(places);
+    p.legs = legs_of(b, p.places);
     if (masks_ == Masks::published) {
         std::vector<BodyId> found;
         for (BodyId id = 0; id < end_id(); ++id)

@@ -23,43 +23,60 @@ bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, doub
 // One body along one motion.
 struct World::Part {
     const Body* body;
-    RigidMotion motion;
+    PartMotion motion;
     Box swept;  // margin and all
 };
 
 // A mover's parts along its motion.
 struct World::Sweeping {
+    const Body* robot;
+    MoverMotion motion;
+    bool turns_in_itself;  // parts move against each other
     std::vector<Part> parts;
     Box around = empty_box();
     double speed = 0;  // of its fastest point, at most
 };
 
-World::Sweeping World::sweeping(const Body& robot, const Rigid& from, const Rigid& to, double margin) const {
-    Sweeping out;
+World::Sweeping World::sweeping(const Body& robot, const Place& from, const Place& to, double margin) const {
+    const Robot* tree = robot.robot.get();
+    Sweeping out{&robot, {tree, from, to}, false, {}};
+    if (tree) {
+        const int32_t base = fgenv::size(tree->joints[0].kind);
+        out.turns_in_itself = !std::equal(from.q.begin() + base, from.q.end(), to.q.begin() + base);
+    }
     out.parts.reserve(robot.parts.size());
     for (BodyId id : robot.parts) {
         const Body& part = body(id);
-        out.parts.push_back({&part, RigidMotion(from, to, &part == &robot ? nullptr : &part.offset), {}});
+        out.parts.push_back({&part, out.motion.part(part.link, part.held_at()), {}});
         Part& p = out.parts.back();
-        p.swept = widened(swept_box(*part.shape, p.motion, 0, 1), margin);
+        p.swept = widened(swept_box(*part.shape, *p.motion, 0, 1), margin);
         grow(out.around, p.swept);
-        out.speed = greater(out.speed, p.motion.speed(part.shape->radius));
+        out.speed = greater(out.speed, p.motion->speed(part.shape->radius));
     }
     return out;
 }
 
-// Collision at one fraction of the motion with bodies at rest or on their trajectories; lowers `out`.
+// Collision at one fraction of the motion with itself, bodies at rest, or bodies on their trajectories.
 bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                        MotionOutcome& out) const {
-    const double time = s.from + t * (s.to - s.from);
+    const double time = s.from + t * (s.to - s.from), margin = s.certify.margin;
+    for (const auto& [i, j] : moving.robot->own_pairs) {
+        const Part &a = moving.parts[i], &b = moving.parts[j];
+        if (!overlap(a.swept, b.swept)) continue;
+        ++out.checks;
+        if (!hits(*a.body->shape, a.motion->pose(t), *b.body->shape, b.motion->pose(t), margin)) continue;
+        out.part = a.body->id;
+        out.other = b.body->id;
+        return true;
+    }
     for (const Part& part : moving.parts) {
-        const Rigid pose = part.motion.pose(t);
-        const Box box = widened(posed_box(*part.body->shape, pose), s.certify.margin);
+        const Rigid pose = part.motion->pose(t);
+        const Box box = widened(posed_box(*part.body->shape, pose), margin);
         for (BodyId id : others) {
             const Body& other = body(id);
             if (ignores(*part.body, other) || !overlap(box, box_of(other, time))) continue;
             ++out.checks;
-            if (!hits(*part.body->shape, pose, *other.shape, pose_of(other, time), s.certify.margin)) continue;
+            if (!hits(*part.body->shape, pose, *other.shape, pose_of(other, time), margin)) continue;
             out.part = part.body->id;
             out.other = id;
             return true;
@@ -90,7 +107,7 @@ MotionOutcome World::step_through(const Sweeping& moving, const std::vector<Body
 
 void World::certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const {
     ++out.checks;
-    const Moving a{part.body->shape.get(), &part.motion};
+    const Moving a{part.body->shape.get(), &*part.motion};
     const Body& root = body(other.root);
     const Contact before = out.contact;
     int64_t sweeps = 0;
@@ -100,7 +117,6 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
     } else {
         // From one pose of the trajectory to the next. Fractions are those of that leg, however short it is
         // beside the motion, and the robot's motion is cut to it.
-        const Rigid* offset = &other == &root ? nullptr : &other.offset;
         std::vector<double> ends;  // seconds
         for (double time : root.trajectory->times)
             if (time > s.from && time < s.to) ends.push_back(time);
@@ -109,12 +125,17 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
         for (double to : ends) {
             const double hi = to < s.to ? lesser((to - s.from) / (s.to - s.from), 1) : 1;
             if (lo > out.contact.free_until) break;
-            const RigidMotion piece = part.motion.retimed(lo, hi - lo), leg = root.trajectory->between(from, to, offset);
+            const Trajectory::Leg leg = root.trajectory->leg(from);
+            const MoverMotion theirs(root.robot.get(), leg.from, leg.to);
+            const PartMotion whole = theirs.part(other.link, other.held_at()), piece = part.motion.retimed(lo, hi - lo),
+                             way = leg.length > 0
+                                       ? whole.retimed((from - leg.begin) / leg.length, (to - from) / leg.length)
+                                       : whole;
             Contact found;
             if (out.contact.free_until < hi) found.free_until = (out.contact.free_until - lo) / (hi - lo);
             CertifySettings cut = s.certify;
             cut.speed *= hi - lo;
-            find_contact({part.body->shape.get(), &piece}, {other.shape.get(), &leg}, 0, 1, cut, found, sweeps);
+            find_contact({part.body->shape.get(), &*piece}, {other.shape.get(), &*way}, 0, 1, cut, found, sweeps);
             const double free_until = lo + found.free_until * (hi - lo);
             if (found.found && (!out.contact.found || free_until < out.contact.free_until)) {
                 out.contact = {free_until, lo + found.shown * (hi - lo), true};
@@ -130,7 +151,36 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
     }
 }
 
-MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to, const MotionSettings& given) const {
+void World::certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
+                        MotionOutcome& out) const {
+    certify_itself(moving, s, out);
+    for (const Part& part : moving.parts)
+        for (BodyId id : others) {
+            if (!s.certify.first && out.contact.found) return;
+            const Body& other = body(id);
+            const Box box = std::isnan(s.from) ? other.box : other.extent;
+            if (!ignores(*part.body, other) && overlap(box, part.swept)) certify(part, other, s, out);
+        }
+}
+
+// A robot's parts against each other.
+void World::certify_itself(const Sweeping& moving, const MotionSettings& s, MotionOutcome& out) const {
+    if (!moving.turns_in_itself) return;
+    for (const auto& [i, j] : moving.robot->own_pairs) {
+        if (!s.certify.first && out.contact.found) return;
+        const Part &a = moving.parts[i], &b = moving.parts[j];
+        if (!overlap(a.swept, b.swept)) continue;
+        ++out.checks;
+        const Contact before = out.contact;
+        int64_t sweeps = 0;
+        find_contact({a.body->shape.get(), &*a.motion}, {b.body->shape.get(), &*b.motion}, 0, 1, s.certify, out.contact, sweeps);
+        if (!out.contact.found || (before.found && out.contact.free_until >= before.free_until)) continue;
+        out.part = a.body->id;
+        out.other = b.body->id;
+    }
+}
+
+MotionOutcome World::check_motion(BodyId id, const Place& from, const Place& to, const MotionSettings& given) const {
     const Body& robot = body(id);
     const Sweeping moving = sweeping(robot, from, to, given.certify.margin);
     const MotionSettings s = given.with_speed(moving.speed);
@@ -145,22 +195,15 @@ MotionOutcome World::check_motion(BodyId id, const Rigid& from, const Rigid& to,
     } else if (!s.certify.first && touches_at(moving, 1, others, s, out)) {
         out.contact = {0, 1, true};
     } else {
-        for (const Part& part : moving.parts)
-            for (BodyId o : others) {
-                const Body& other = body(o);
-                const Box box = std::isnan(s.from) ? other.box : other.extent;
-                if (ignores(*part.body, other) || !overlap(box, part.swept)) continue;
-                certify(part, other, s, out);
-                if (out.contact.found && !s.certify.first) break;
-            }
+        certify_all(moving, others, s, out);
         if (!s.certify.first && out.contact.found) out.contact.free_until = 0;  // not every pair was asked
     }
     tests_.fetch_add(out.checks, std::memory_order_relaxed);
     return out;
 }
 
-std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Rigid>& from,
-                                                const std::vector<Rigid>& to, const MotionSettings& given) const {
+std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
+                                                const std::vector<Place>& to, const MotionSettings& given) const {
     const size_t n = robots.size();
     std::vector<Sweeping> moving;
     std::vector<Box> boxes;
@@ -183,12 +226,7 @@ std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robot
                                     [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
                      others.end());
         if (touches_at(moving[i], 0, others, s, out[i])) out[i].contact = {0, 0, true};
-        for (const Part& part : moving[i].parts)
-            for (BodyId o : others) {
-                const Body& other = body(o);
-                const Box box = std::isnan(s.from) ? other.box : other.extent;
-                if (!ignores(*part.body, other) && overlap(box, part.swept)) certify(part, other, s, out[i]);
-            }
+        certify_all(moving[i], others, s, out[i]);
         near.clear();
         index.overlapping(moving[i].around, near);
         std::sort(near.begin(), near.end());
@@ -213,10 +251,10 @@ void World::meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, 
             ++of_a.checks;
             ++of_b.checks;
             int64_t sweeps = 0;
-            if (hits(*p.body->shape, p.motion.pose(0), *q.body->shape, q.motion.pose(0), s.certify.margin))
+            if (hits(*p.body->shape, p.motion->pose(0), *q.body->shape, q.motion->pose(0), s.certify.margin))
                 found = {0, 0, true};
             else
-                find_contact({p.body->shape.get(), &p.motion}, {q.body->shape.get(), &q.motion}, 0, 1, s.certify, found, sweeps);
+                find_contact({p.body->shape.get(), &*p.motion}, {q.body->shape.get(), &*q.motion}, 0, 1, s.certify, found, sweeps);
             if (!found.found) continue;
             if (found.free_until < of_a.contact.free_until || !of_a.contact.found)
                 of_a.contact = found, of_a.part = p.body->id, of_a.other = q.body->id;

@@ -24,28 +24,39 @@ float float_bound(double squared) {
 Rigid World::pose_of(const Body& b, double time) const {
     const Body& root = body(b.root);
     if (std::isnan(time) || !root.trajectory) return b.pose;
-    const Rigid pose = root.trajectory->pose(time);
-    return &b == &root ? pose : compose(pose, b.offset);
+    const Robot* robot = root.robot.get();
+    const Trajectory::Leg leg = root.trajectory->leg(time);
+    const Frames frames =
+        frames_at(robot, leg.length > 0 ? between(robot, leg.from, leg.to, (time - leg.begin) / leg.length) : leg.from);
+    return b.held_at() ? compose(frames[b.link], b.offset) : frames.body;
 }
 
 Box World::box_of(const Body& b, double time) const {
     return std::isnan(time) || !body(b.root).trajectory ? b.box : posed_box(*b.shape, pose_of(b, time));
 }
 
-bool World::collides(BodyId id, const Rigid& pose, double time, double margin) const {
+bool World::collides(BodyId id, const Place& place, double time, double margin) const {
     const Body& robot = body(id);
+    const Frames frames = frames_at(robot.robot.get(), place);
     std::vector<Rigid> poses;
     std::vector<Box> boxes;
     Box around = empty_box();
-    for (BodyId part : robot.parts) {
-        poses.push_back(part == id ? pose : compose(pose, body(part).offset));
-        boxes.push_back(widened(posed_box(*body(part).shape, poses.back()), margin));
+    for (BodyId part_id : robot.parts) {
+        const Body& part = body(part_id);
+        poses.push_back(part.held_at() ? compose(frames[part.link], part.offset) : frames.body);
+        boxes.push_back(widened(posed_box(*part.shape, poses.back()), margin));
         grow(around, boxes.back());
     }
-    std::vector<BodyId> near;
-    candidates(robot, around, near);
     int64_t n = 0;
     bool hit = false;
+    for (const auto& [i, j] : robot.own_pairs) {
+        if (hit) break;
+        if (!overlap(boxes[i], boxes[j])) continue;
+        ++n;
+        hit = hits(*body(robot.parts[i]).shape, poses[i], *body(robot.parts[j]).shape, poses[j], margin);
+    }
+    std::vector<BodyId> near;
+    if (!hit) candidates(robot, around, near);
     for (BodyId other : near) {
         const Body& b = body(other);
         if (b.root == id) continue;
@@ -62,15 +73,16 @@ bool World::collides(BodyId id, const Rigid& pose, double time, double margin) c
     return hit;
 }
 
-Clearance World::clearance(BodyId id, const Rigid& pose, double time) const {
+Clearance World::clearance(BodyId id, const Place& place, double time) const {
     const Body& robot = body(id);
+    const Frames frames = frames_at(robot.robot.get(), place);
     Clearance best;
     double squared = HUGE_VAL;
     float bound = float_bound(squared);  // not infinite: so are the keys of lanes without a body
     int64_t n = 0;
     for (BodyId part_id : robot.parts) {
         const Body& part = body(part_id);
-        const Rigid placed = part_id == id ? pose : compose(pose, part.offset);
+        const Rigid placed = part.held_at() ? compose(frames[part.link], part.offset) : frames.body;
         const Box box = posed_box(*part.shape, placed);
         const float lo[3] = {rounded_down(box.lo.x), rounded_down(box.lo.y), rounded_down(box.lo.z)};
         const float hi[3] = {rounded_up(box.hi.x), rounded_up(box.hi.y), rounded_up(box.hi.z)};

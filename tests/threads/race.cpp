@@ -53,9 +53,9 @@ struct Random {
         for (double& t : out.t) t = number(reach);
         return out;
     }
-    std::vector<Rigid> poses(int n, double reach) {
-        std::vector<Rigid> out;
-        for (int i = 0; i < n; ++i) out.push_back(pose(reach));
+    std::vector<Place> places(int n, double reach) {
+        std::vector<Place> out;
+        for (int i = 0; i < n; ++i) out.push_back({pose(reach), {}});
         return out;
     }
 };
@@ -64,7 +64,7 @@ constexpr int bodies = 12;  // that stay; others come and go
 
 // One of each query.
 double ask(const World& w, Random& random) {
-    const Rigid from = random.pose(2), to = random.pose(2);
+    const Place from{random.pose(2), {}}, to{random.pose(2), {}};
     const BodyId robot = 2 * random.below(bodies / 2);  // the odd ones may be carried
     MotionSettings now_, later;
     later.from = 0;
@@ -75,7 +75,7 @@ double ask(const World& w, Random& random) {
     sum += w.check_motion(robot, from, to, now_).contact.free_until;
     sum += w.check_motion(robot, from, to, later).contact.free_until;
     for (const MotionOutcome& o : w.check_motions({0, 4, 8}, {from, to, from}, {to, from, from}, now_)) sum += o.other;
-    sum += w.raycast(origin(from), {1, 0, 0}, 10, {robot}).body;
+    sum += w.raycast(origin(from.pose), {1, 0, 0}, 10, {robot}).body;
     std::vector<std::pair<BodyId, BodyId>> pairs;
     for (int32_t block = 0; block < w.blocks(); ++block) w.contacts_of_block(block, 0.1, pairs);
     sum += static_cast<double>(pairs.size());
@@ -93,12 +93,12 @@ void change(World& w, Random& random, const std::shared_ptr<Shape>& shape, const
     };
     BodyId mine = -1;
     once([&] { mine = w.add(shape, random.pose(2), name, {"g", name}); });
-    once([&] { w.set_poses({mine, even}, random.poses(2, 2)); });
-    once([&] { w.set_path(mine, random.poses(3, 2)); });
-    once([&] { w.set_path(even, random.poses(2, 2)); });
+    once([&] { w.set_poses({mine, even}, {random.pose(2), random.pose(2)}); });
+    once([&] { w.set_path(mine, random.places(3, 2)); });
+    once([&] { w.set_path(even, random.places(2, 2)); });
     once([&] { w.allow(mine, even, true); });
     once([&] { w.allow_groups("g", name, random.below(2)); });
-    once([&] { w.set_trajectory(mine, {{0, 1}, random.poses(2, 2)}); });
+    once([&] { w.set_trajectory(mine, {{0, 1}, random.places(2, 2)}); });
     once([&] { w.attach(mine, even); });
     if (random.below(2)) once([&] { w.detach(mine); });
     once([&] { w.clear_path(even); });
@@ -130,8 +130,8 @@ int main(int count, char** arguments) {
     for (int i = 0; i < bodies; ++i) world.add(shapes[i % 3], random.pose(2), "", {"g"});
     world.attach(1, 0);
     world.attach(3, 1);
-    world.set_trajectory(6, {{0, 1}, random.poses(2, 2)});
-    world.set_path(0, random.poses(3, 2));
+    world.set_trajectory(6, {{0, 1}, random.places(2, 2)});
+    world.set_path(0, random.places(3, 2));
     if (locking) agree(world);
 
     std::atomic<int> changing{2};

@@ -1,0 +1,67 @@
+// What moves as one: a body with all that it carries, or a robot, which is a kinematic tree.
+#pragma once
+
+#include <memory>
+#include <variant>
+
+#include "link_motion.h"
+
+namespace fgenv {
+
+// Where a mover is: the pose of a body, or a robot's configuration.
+struct Place {
+    Rigid pose = identity();
+    std::vector<double> q;
+};
+
+// Frames that a mover's parts are held in: the body's own, or one for each link of the robot.
+struct Frames {
+    Rigid body = identity();
+    std::vector<Rigid> links;
+
+    const Rigid& operator[](int32_t link) const { return links.empty() ? body : links[link]; }
+};
+
+// `robot` is null for a body, here and below.
+Frames frames_at(const Robot* robot, const Place& place);
+Place between(const Robot* robot, const Place& from, const Place& to, double t);
+
+// Of one part.
+class PartMotion {
+public:
+    PartMotion(const RigidMotion& motion) : motion_(motion) {}
+    PartMotion(const LinkMotion& motion) : motion_(motion) {}
+
+    const BodyMotion& operator*() const {
+        if (const auto* rigid = std::get_if<RigidMotion>(&motion_)) return *rigid;
+        return std::get<LinkMotion>(motion_);
+    }
+    const BodyMotion* operator->() const { return &**this; }
+    // The same motion as seen by t' with t = begin + rate t'.
+    PartMotion retimed(double begin, double rate) const {
+        return std::visit([&](const auto& m) { return PartMotion(m.retimed(begin, rate)); }, motion_);
+    }
+
+private:
+    std::variant<RigidMotion, LinkMotion> motion_;
+};
+
+// From place to place, both of which it refers to; outlives the motions of its parts.
+class MoverMotion {
+public:
+    MoverMotion(const Robot* robot, const Place& from, const Place& to)
+        : from_(&from), to_(&to),
+          tree_(robot ? std::make_unique<RobotMotion>(*robot, from.q.data(), to.q.data()) : nullptr) {}
+
+    // Held in the frame of `link` at `offset`; null: the body itself.
+    PartMotion part(int32_t link, const Rigid* offset) const {
+        if (tree_) return LinkMotion(*tree_, link, offset);
+        return RigidMotion(from_->pose, to_->pose, offset);
+    }
+
+private:
+    const Place *from_, *to_;
+    std::unique_ptr<RobotMotion> tree_;
+};
+
+}  // namespace fgenv
