@@ -58,7 +58,7 @@ class Jury:
         return found
 
     def kind(self, i: int) -> str:
-        """What pose i is: surfaces meet, in whole numbers, or they do not and one body is inside."""
+        """What pose i is: surfaces meet, in whole numbers, or they do not and one is inside."""
         if surfaces_meet(self.mesh_a, self.pose_a, self.mesh_b, self.poses[i]):
             return "surfaces meet"
         inside = one_is_inside(self.a, self.pose_a, self.b, self.poses[i])
