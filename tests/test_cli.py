@@ -12,7 +12,7 @@ from fgenv import __version__, cli
 from fgenv.cli import errors
 
 SCRIPT = Path(sys.executable).with_name("fgenv")
-COMMANDS = ("run", "compare", "bench", "bench pairs", "bench world")
+COMMANDS = ("run", "scenarios", "compare", "bench", "bench pairs", "bench world")
 
 
 def fgenv(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -61,6 +61,18 @@ def test_each_command_has_help_with_a_machine_readable_form(command: str) -> Non
     assert f"fgenv {command}" in done.stdout
     assert "--seed" in done.stdout
     assert "--json" in done.stdout
+
+
+def test_validate_has_help_and_tells_by_line(tmp_path: Path) -> None:
+    assert "--json" in fgenv("validate", "--help").stdout
+    file = tmp_path / "s.yaml"
+    file.write_text("version: 1\nname: s\nrobot: []\n", encoding="utf-8")
+    done = fgenv("validate", str(file))
+    assert (done.returncode, done.stderr) == (errors.FAILED_CHECK, "")
+    assert "line 3: robot: is no known key; did you mean 'robots'?" in done.stdout
+    done = fgenv("validate", str(tmp_path / "none.yaml"))
+    assert (done.returncode, done.stdout) == (errors.BAD_INPUT, "")
+    assert done.stderr.count("\n") == 1
 
 
 def test_tab_completes_commands() -> None:

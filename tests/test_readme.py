@@ -49,6 +49,18 @@ def test_masks_are_as_shown() -> None:
     assert world.candidates(truck).tolist() == crates[7:]
 
 
+def test_scenarios_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(block("scenarios"), names)
+    assert names["problems"] == []
+    assert len(names["built"].robots) == len(names["world"]) == 8
+    assert len(names["world"].contacts()) == 0
+    assert len(names["cases"]) == 100
+    assert Path("swap-8.npz").stat().st_size < 100 * 170
+    assert names["frozen"]("swap-8.npz", id=names["cases"].id).id == names["cases"].id
+
+
 def test_motions_are_as_shown() -> None:
     names: dict[str, Any] = {}
     exec(block("motion"), names)

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, run
+from fgenv.cli import bench, compare, run, scenarios, validate
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -18,6 +18,9 @@ EPILOG = """
   fgenv run three_tanks                   the published experiment
   fgenv run three_tanks --mesh robot.stl  the same with your own robot
   fgenv run three_tanks --json            for a machine to read
+  fgenv scenarios                         the built-in scenarios
+  fgenv scenarios swap --n 8 --save s.yaml --picture s.png
+  fgenv validate s.yaml                   what is wrong with a scenario file
   fgenv compare                           each method: how right, how fast
   fgenv bench pairs                       race the other collision libraries
   fgenv bench world                       the same with many bodies that move
@@ -64,6 +67,8 @@ def _common(
 
 
 app.command()(run.run)
+app.command()(scenarios.scenarios)
+app.command()(validate.validate)
 app.command()(compare.compare)
 app.add_typer(bench.app)
 

@@ -1,6 +1,29 @@
-"""Scenes: a world of bodies, and a mover with a start and a goal."""
+"""Scenarios: robots with starts and goals among bodies, as files and as generators.
 
+>>> from fgenv.scenarios import Scenario
+>>> scenario = Scenario.load("swap", n=8, seed=3, jitter=0.1)  # or Scenario.load("my.yaml")
+>>> built = scenario.build()                                   # robots, starts, goals, poses
+>>> built.world().contacts()                                   # none
+"""
+
+from fgenv.scenarios.build import Built
+from fgenv.scenarios.frozen import FrozenSet, frozen
+from fgenv.scenarios.loading import validate
 from fgenv.scenarios.scene import Scene, bounds, in_contact
+from fgenv.scenarios.schema import Scenario
 from fgenv.scenarios.three_tanks import three_tanks
+from fgenv.scenarios.trouble import Problem, ScenarioError
 
-__all__ = ["Scene", "bounds", "in_contact", "three_tanks"]
+__all__ = [
+    "Built",
+    "FrozenSet",
+    "Problem",
+    "Scenario",
+    "ScenarioError",
+    "Scene",
+    "bounds",
+    "frozen",
+    "in_contact",
+    "three_tanks",
+    "validate",
+]

@@ -1,0 +1,176 @@
+"""A scenario made ready: robots, and plain arrays that a simulator takes over."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fgenv.collision import Shape, World
+from fgenv.robots import Robot
+
+from .planar import Floats
+
+if TYPE_CHECKING:
+    from .schema import Model, RobotSpec, Scenario
+
+ROBOTS, STATIC = "robots", "static"  # groups of all robots, and of all bodies
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """What a scenario says, as robots and arrays; lists are by robot or by body.
+
+    Attributes:
+        robots: with drive, limits, workspace and mount.
+        starts, goals: configurations, (nq,) each.
+        groups: of each robot; its name is one, and `robots`.
+        shapes, poses: of the static bodies; poses are (m, 4, 4).
+        names: of the static bodies.
+        body_groups: of each static body; its name is one, and `static`.
+        allowed: pairs of groups whose contact is no collision.
+    """
+
+    scenario: Scenario
+    robots: tuple[Robot, ...]
+    starts: tuple[Floats, ...]
+    goals: tuple[Floats, ...]
+    groups: tuple[tuple[str, ...], ...]
+    shapes: tuple[Shape, ...]
+    poses: Floats
+    names: tuple[str, ...]
+    body_groups: tuple[tuple[str, ...], ...]
+    allowed: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Built:
+        """Build it: reads mesh and URDF files, each once.
+
+        Raises:
+            ValueError, OSError, ImportError: saying what is wrong with a shape or model.
+        """
+        shapes = {name: form.shape(scenario.folder) for name, form in scenario.shapes.items()}
+        models = {name: model_of(scenario, m) for name, m in scenario.models.items()}
+        robots = {i: robot_of(models[r.model], r) for i, r in enumerate(scenario.robots)}
+        return assembled(scenario, shapes, robots, range(len(scenario.bodies)))
+
+    def world(self, configurations: Sequence[Floats] | None = None, robots: bool = True) -> World:
+        """A world of the static bodies, then the robots, a body for each shape of one.
+
+        A robot of one shape is the body of its name; otherwise see `body_names`. Contacts of two
+        static bodies are no collisions.
+
+        Args:
+            configurations: (nq,) of each robot; their starts if left out.
+            robots: False: the static bodies alone.
+        """
+        world = World()
+        for a, b in self.allowed:
+            world.allow_groups(a, b)
+        bodies = zip(self.shapes, self.poses, self.names, self.body_groups, strict=True)
+        for shape, pose, name, groups in bodies:
+            world.add(shape, pose, name=name, groups=groups)
+        if robots:
+            for i, q in enumerate(self.starts if configurations is None else configurations):
+                self.add_robot(world, i, q)
+        return world
+
+    def add_robot(self, world: World, i: int, q: Floats) -> list[int]:
+        """Add the bodies of robot i at a configuration (nq,); returns their ids."""
+        robot, poses = self.robots[i], self.part_poses(i, q)
+        names = self.body_names(i)
+        ids = [
+            world.add(part.shape, pose, name=name, groups=self.groups[i])
+            for part, pose, name in zip(robot.parts, poses, names, strict=True)
+        ]
+        for a, b in robot.allowed_parts:
+            world.allow(ids[a], ids[b])
+        return ids
+
+    def part_poses(self, i: int, q: Floats) -> Floats:
+        """Poses (parts, 4, 4) of the shapes of robot i at a configuration (nq,)."""
+        links = self.robots[i].forward(q)
+        return np.array([links[p.link] @ p.origin for p in self.robots[i].parts])
+
+    def body_names(self, i: int) -> list[str]:
+        """Names of the bodies of robot i: its own, or NAME/LINK/NUMBER for each of its shapes."""
+        robot, name = self.robots[i], self.groups[i][0]
+        if len(robot.parts) == 1:
+            return [name]
+        return [f"{name}/{robot.links[p.link].name}/{k}" for k, p in enumerate(robot.parts)]
+
+
+def assembled(
+    scenario: Scenario,
+    shapes: Mapping[str, Shape],
+    robots: Mapping[int, Robot],
+    bodies: Sequence[int],
+) -> Built:
+    """Some of a scenario's robots and bodies, by their places in it."""
+    specs = [scenario.robots[i] for i in robots]
+    stand = [scenario.bodies[i] for i in bodies]
+    names = tuple(body.name or f"body {i + 1}" for i, body in zip(bodies, stand, strict=True))
+    return Built(
+        scenario,
+        tuple(robots.values()),
+        tuple(np.array(spec.start) for spec in specs),
+        tuple(np.array(spec.goal) for spec in specs),
+        tuple((spec.name, ROBOTS, *spec.groups) for spec in specs),
+        tuple(shapes[body.shape] for body in stand),
+        np.array([body.pose for body in stand]).reshape(-1, 4, 4),
+        names,
+        tuple((n, STATIC, *b.groups) for n, b in zip(names, stand, strict=True)),
+        (*scenario.allowed, (STATIC, STATIC)),
+    )
+
+
+def model_of(scenario: Scenario, model: Model) -> Robot:
+    """The robot that a model is, at the origin."""
+    drive = None if model.drive is None else model.drive.build()
+    base = model.base or ("fixed" if model.urdf else "planar")
+    space = None
+    if scenario.workspace is not None and base != "fixed":
+        box = np.array([scenario.workspace.low, scenario.workspace.high])
+        space = box[:, :2] if base == "planar" else box
+    if model.urdf is None:
+        shape = scenario.shapes[model.shape or ""].shape(scenario.folder)
+        return Robot.from_mesh(shape, base, drive=drive, workspace=space)
+    path = urdf_path(model.urdf, scenario.folder)
+    robot = Robot.from_urdf(path, base, drive=drive, workspace=space)
+    return robot.allowing(model.allowed)
+
+
+def robot_of(model: Robot, spec: RobotSpec) -> Robot:
+    """The model with a name and a mount; the model's kinematics may be shared."""
+    return model.replace(name=spec.name, mount=spec.mount.pose)
+
+
+def urdf_path(urdf: str, folder: Path | None) -> Path:
+    """The URDF file: a path, or package://NAME/PATH in a folder of Python packages.
+
+    NAME is a Python package, or a folder of example-robot-data where that is installed.
+    """
+    if not urdf.startswith("package://"):
+        return (folder or Path()) / urdf
+    name, _, rest = urdf.removeprefix("package://").partition("/")
+    tried = list(_places(name, rest))
+    for path in tried:
+        if path.is_file():
+            return path
+    looked = ", ".join(map(str, tried)) or "no Python package has that name"
+    raise FileNotFoundError(f"urdf: {urdf} is not there ({looked}); remedy: install {name!r}")
+
+
+def _places(name: str, rest: str) -> Iterator[Path]:
+    if name.isidentifier() and (spec := importlib.util.find_spec(name)) is not None:
+        for folder in spec.submodule_search_locations or ():
+            yield Path(folder) / rest
+    with contextlib.suppress(PackageNotFoundError):
+        robots = "cmeel.prefix/share/example-robot-data/robots"
+        yield Path(str(distribution("example-robot-data").locate_file(robots))) / name / rest

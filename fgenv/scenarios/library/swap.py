@@ -1,0 +1,64 @@
+"""Robots on a circle change places with those across."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ..dice import Dice, micro, sin_cos
+from ..schema import Scenario
+from .placing import Q, area, bare, block, scatter, sent, team
+from .registry import N, Seed, Size, builtin
+
+BODIES = {
+    "disc": {"kind": "disc", "radius": 0.3, "height": 0.35},
+    "long": block(1.2, 0.3, 0.35),
+    "l": {"kind": "l", "length": 1.0, "width": 0.8, "arm": 0.25, "height": 0.35},
+}
+ROOM = {"disc": 1.0, "long": 1.5, "l": 1.5}  # metres of the circle for each
+DRIVES = {"disc": "differential", "long": "differential", "l": "holonomic"}
+
+
+@builtin(dimension=2)
+def swap(
+    n: N = 8,
+    seed: Seed = 0,
+    size: Size = None,
+    body: Literal["disc", "long", "l"] = "disc",
+    jitter: Annotated[float, Field(ge=0, le=10, strict=True)] = 0.0,
+) -> Scenario:
+    """Robots on a circle swap places with those across: discs, long or L-shaped bodies.
+
+    Args:
+        n: robots.
+        seed: of the jitter.
+        size: diameter of the circle, metres; grows with n if left out.
+        body: disc, long or l.
+        jitter: metres that starts and goals are moved along x and y, at most; 0 is symmetric.
+    """
+    diameter = size or micro(max(4.0, n * ROOM[body] / math.pi))
+    side = diameter + 3.0 + 2 * jitter
+    drive = {"kind": DRIVES[body], "speed": 1.0, "turn_rate": 2.0}
+    scenario = bare(
+        "swap",
+        description=f"{n} robots on a circle swap places with those across; body: {body}.",
+        seed=seed,
+        workspace=area(side, side),
+        shapes={body: BODIES[body]},
+        models={body: {"shape": body, "drive": drive, "lidar": {"rays": 36}}},
+        robots=team(n, body, 3),
+    )
+    dice = Dice(seed, 1)
+
+    def place(i: int, end: int) -> Q:
+        """Start (end 1) or goal (end -1) of robot i, across; it faces its goal in both."""
+        angle = 2 * math.pi * i / n
+        y, x = sin_cos(angle)
+        dx, dy = (dice.between(-jitter, jitter) for _ in range(2))
+        r, yaw = 0.5 * end * diameter, math.remainder(angle + math.pi, 2 * math.pi)
+        return micro(r * x + dx), micro(r * y + dy), micro(yaw)
+
+    starts = scatter(scenario, lambda i: place(i, 1))
+    return sent(scenario, starts, scatter(scenario, lambda i: place(i, -1)))

@@ -1,0 +1,109 @@
+"""The picture of a scenario: robots at their starts, their goals as ghosts, lines between."""
+
+from __future__ import annotations
+
+import numpy as np
+from PIL import Image
+
+from fgenv.collision import World
+from fgenv.scenarios import Built, Scenario, bounds
+from fgenv.view.camera import Camera
+from fgenv.view.palette import BLUE, GREEN, ORANGE, PURPLE, SKY, STEEL, VERMILION, YELLOW, Color
+from fgenv.view.picture import Picture
+from fgenv.view.surfaces import Floats, Floor, Solid
+
+TEAM: tuple[Color, ...] = (ORANGE, BLUE, VERMILION, GREEN, PURPLE, SKY, YELLOW)
+WOOD: Color = (0.45, 0.60, 0.45)
+GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; metres of marks over the floor
+AZIMUTH, ELEVATION, FOV = -1.2, 0.8, 0.5  # rad: where the camera is, seen from the middle
+RING = np.linspace(0.0, 2 * np.pi, 33)
+COLORS = 176  # of 256, that are common in a picture
+
+
+def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image:
+    """The picture of a scenario, headless: goals are translucent, with a ring on the floor."""
+    built = scenario.build()
+    worlds = built.world(), built.world(built.goals)
+    corners = np.concatenate([corners_of(world) for world in worlds])
+    camera = overview(corners, width, height)
+    solids = [Solid(s, p, stone(s.name)) for s, p in zip(built.shapes, built.poses, strict=True)]
+    for i in range(len(built.robots)):
+        for world, opacity in zip(worlds, (1.0, GHOST), strict=True):
+            for record in map(world.record, built.body_names(i)):
+                pose = record.pose.copy()
+                pose[2, 3] += (1.0 - opacity) * LIFT  # else it flickers where it lies in another
+                solids.append(Solid(record.shape, pose, color(i), opacity))
+    picture = Picture(camera, solids, floor=Floor(height=min(0.0, float(corners[:, 2].min()))))
+    for i, robot in enumerate(built.robots):
+        if robot.base != "fixed":
+            mark(picture, built, i)
+    return small(picture.image())
+
+
+def small(image: Image.Image) -> Image.Image:
+    """The picture in 256 colours, for a small file: half of them common, half far apart."""
+    common = image.quantize(COLORS, Image.Quantize.MEDIANCUT)
+    apart = image.quantize(256 - COLORS, Image.Quantize.MAXCOVERAGE)
+    palette = Image.new("P", (1, 1))
+    both = [(common.getpalette() or []), (apart.getpalette() or [])]
+    palette.putpalette(both[0][: 3 * COLORS] + both[1][: 3 * (256 - COLORS)])
+    return image.quantize(palette=palette, dither=Image.Dither.NONE)
+
+
+def color(i: int) -> Color:
+    """That of robot i."""
+    return TEAM[i % len(TEAM)]
+
+
+def stone(name: str) -> Color:
+    """The colour of a static body, by its shape's name."""
+    return WOOD if name == "tree" else STEEL
+
+
+def corners_of(world: World) -> Floats:
+    """Corners (n, 3) of the boxes of all bodies."""
+    boxes = [bounds(world.record(int(body))) for body in world.ids]
+    ends = np.array(
+        [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1), (1, 1, 1)]
+    )
+    return np.concatenate([low + ends * (high - low) for low, high in boxes])
+
+
+def overview(corners: Floats, width: int, height: int) -> Camera:
+    """A camera from the south, above, as near as all corners (n, 3) let it be."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
+    way = np.array(
+        [
+            np.cos(AZIMUTH) * np.cos(ELEVATION),
+            np.sin(AZIMUTH) * np.cos(ELEVATION),
+            np.sin(ELEVATION),
+        ]
+    )
+    for far in span * np.linspace(0.8, 4.0, 65):
+        for drop in np.linspace(-0.1, 0.1, 9) * span:  # what is near looks larger
+            target = middle + (0.0, 0.0, drop)
+            eye = target + far * way
+            camera = Camera(tuple(eye.tolist()), tuple(target.tolist()), FOV, width, height)
+            pixels, depth = camera.project(corners)
+            frame, border = np.array([width, height]), 0.03 * height
+            if (depth > 0).all() and ((pixels > border) & (pixels < frame - border)).all():
+                return camera
+    return camera
+
+
+def mark(picture: Picture, built: Built, i: int) -> None:
+    """A line from start to goal, and a ring around the goal."""
+    free = built.robots[i].base == "free"
+    ends = np.array(
+        [built.robots[i].forward(q)[0, :3, 3] for q in (built.starts[i], built.goals[i])]
+    )
+    if not free:
+        ends[:, 2] = LIFT
+    picture.segments(ends, color(i), width=0.9, opacity=0.6, hidden=0.15)
+    part = built.robots[i].parts[0].shape.bounds
+    radius = 0.5 * float(np.linalg.norm(part[1, :2] - part[0, :2]))
+    middle = built.robots[i].forward(built.goals[i])[0] @ [*part.mean(axis=0)[:2], 0.0, 1.0]
+    ring = np.column_stack([radius * np.cos(RING), radius * np.sin(RING), np.zeros(33)])
+    ring += (middle[0], middle[1], ends[1, 2])
+    picture.polyline(ring, color(i), width=1.3, hidden=0.4)
