@@ -6,7 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
+from robots import urdf
 
+from fgenv.bench.data import folder
+
+PANDA = "panda_description/urdf/panda.urdf"
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
 
@@ -47,6 +52,26 @@ def test_masks_are_as_shown() -> None:
     assert world.mask(robot) == 0
     assert [world.mask(crate) for crate in crates] == [0] * 7 + [2] * 2
     assert world.candidates(truck).tolist() == crates[7:]
+
+
+@pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+def test_robots_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder("example-robot-data").parents[1]))
+    Path("panda.urdf").write_text(urdf(PANDA).read_text())
+    trimesh.creation.box((600, 400, 200)).export("cart.stl")
+    trimesh.creation.box((30, 30, 100)).export("peg.stl")
+    names: dict[str, Any] = {}
+    exec(block("robots"), names)
+    arm, world, found = (names[k] for k in ("arm", "world", "found"))
+    assert names["hits"].shape == (1000,)
+    assert 50 < names["hits"].sum() < 1000
+    assert not found.unresolved
+    assert world.parts("panda").tolist()[-1] == world.ids[-1]
+    at_rest = arm.forward(arm.rest, "panda_hand")
+    world.set_configuration("panda", names["q"][0])
+    carried = names["hands"][0] @ np.linalg.inv(at_rest) @ names["pose"]
+    np.testing.assert_allclose(world.poses("peg"), carried, atol=1e-9)
 
 
 def test_scenarios_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

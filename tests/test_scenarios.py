@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 from fgenv.cli import app
 from fgenv.collision import Shape
+from fgenv.robots import Robot
 from fgenv.scenarios import Built, Scenario, ScenarioError, three_tanks
 from fgenv.scenarios.dice import Dice, micro
 from fgenv.scenarios.library import ENTRIES
@@ -44,7 +45,7 @@ def made(name: str, ways: dict[str, Any], seed: int = 0) -> Scenario:
     return Scenario.load(name, seed=seed, **ways)
 
 
-def peers(shapes: Sequence[Shape], poses: Floats) -> list[Any]:
+def peers(shapes: Sequence[Shape], poses: Sequence[Floats]) -> list[Any]:
     """The bodies in python-fcl."""
     objects = []
     for shape, pose in zip(shapes, poses, strict=True):
@@ -57,9 +58,12 @@ def peers(shapes: Sequence[Shape], poses: Floats) -> list[Any]:
 
 
 def robots_in_fcl(built: Built, at: Sequence[Floats]) -> list[list[Any]]:
+    def places(robot: Robot, q: Floats) -> list[Floats]:
+        return [robot.forward(q, part.link) @ part.origin for part in robot.parts]
+
     return [
-        peers([part.shape for part in robot.parts], built.part_poses(i, q))
-        for i, (robot, q) in enumerate(zip(built.robots, at, strict=True))
+        peers([part.shape for part in robot.parts], places(robot, q))
+        for robot, q in zip(built.robots, at, strict=True)
     ]
 
 
@@ -142,7 +146,7 @@ def test_every_lane_of_random_is_free_for_its_robots() -> None:
     scenario = Scenario.load("random", n=12, seed=4, fill=1.0)
     built = scenario.build()
     world = built.world(robots=False)
-    (robot,) = built.add_robot(world, 0, built.starts[0])
+    robot = built.add_robot(world, 0, built.starts[0])
     crossings = sorted({q[:2] for r in scenario.robots for q in (r.start, r.goal)})
     cells = round((scenario.workspace.high[0] * 2 - 1.0) / PITCH)  # type: ignore[union-attr]
     lines = (np.arange(cells + 1) - cells / 2) * PITCH
@@ -150,8 +154,7 @@ def test_every_lane_of_random_is_free_for_its_robots() -> None:
     assert len(lines) ** 2 >= 12 + 2
     for fixed, (a, b) in itertools.product(lines, itertools.pairwise(lines)):
         for ends in (((fixed, a), (fixed, b)), ((a, fixed), (b, fixed))):
-            poses = [built.robots[0].forward([*end, 0.0])[0] for end in ends]
-            assert world.check_motion(robot, *poses).free
+            assert world.check_motion(robot, *([*end, 0.0] for end in ends)).free
 
 
 def test_carts_start_or_end_under_racks() -> None:
@@ -235,7 +238,8 @@ def test_built_is_plain_arrays() -> None:
     assert built.groups[0] == ("robot 1", "robots")
     assert built.body_groups[0] == ("table", "static")
     assert len({id(p.shape) for robot in built.robots for p in robot.parts}) == 11  # shared
-    assert built.body_names(0)[0] == "robot 1/base/0"
+    world = built.world()
+    assert world.record(world.parts("robot 1")[1]).name == "robot 1/shoulder"
 
 
 # The command -------------------------------------------------------------------------------------

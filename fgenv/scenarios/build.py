@@ -61,10 +61,9 @@ class Built:
         return assembled(scenario, shapes, robots, range(len(scenario.bodies)))
 
     def world(self, configurations: Sequence[Floats] | None = None, robots: bool = True) -> World:
-        """A world of the static bodies, then the robots, a body for each shape of one.
+        """A world of the static bodies, then the robots, by their names.
 
-        A robot of one shape is the body of its name; otherwise see `body_names`. Contacts of two
-        static bodies are no collisions.
+        Contacts of two static bodies are no collisions.
 
         Args:
             configurations: (nq,) of each robot; their starts if left out.
@@ -81,29 +80,9 @@ class Built:
                 self.add_robot(world, i, q)
         return world
 
-    def add_robot(self, world: World, i: int, q: Floats) -> list[int]:
-        """Add the bodies of robot i at a configuration (nq,); returns their ids."""
-        robot, poses = self.robots[i], self.part_poses(i, q)
-        names = self.body_names(i)
-        ids = [
-            world.add(part.shape, pose, name=name, groups=self.groups[i])
-            for part, pose, name in zip(robot.parts, poses, names, strict=True)
-        ]
-        for a, b in robot.allowed_parts:
-            world.allow(ids[a], ids[b])
-        return ids
-
-    def part_poses(self, i: int, q: Floats) -> Floats:
-        """Poses (parts, 4, 4) of the shapes of robot i at a configuration (nq,)."""
-        links = self.robots[i].forward(q)
-        return np.array([links[p.link] @ p.origin for p in self.robots[i].parts])
-
-    def body_names(self, i: int) -> list[str]:
-        """Names of the bodies of robot i: its own, or NAME/LINK/NUMBER for each of its shapes."""
-        robot, name = self.robots[i], self.groups[i][0]
-        if len(robot.parts) == 1:
-            return [name]
-        return [f"{name}/{robot.links[p.link].name}/{k}" for k, p in enumerate(robot.parts)]
+    def add_robot(self, world: World, i: int, q: Floats) -> int:
+        """Add robot i at a configuration (nq,); returns its id."""
+        return world.add_robot(self.robots[i], q, name=self.groups[i][0], groups=self.groups[i])
 
 
 def assembled(

@@ -197,14 +197,16 @@ def places(built: Built, numbers: Sequence[int]) -> Iterator[Found]:
         built: robots and bodies.
         numbers: places of its robots in the scenario.
     """
-    owner = {name: i for i in range(len(built.robots)) for name in built.body_names(i)}
     for end, at in zip(ENDS, (built.starts, built.goals), strict=True):
         world = built.world(at)
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
+        owner = {
+            body: i for i, own in enumerate(built.groups) for body in world.parts(own[0]).tolist()
+        }
         seen = set()
         for pair in world.contacts().tolist():
             a, b = (names[k] for k in pair)
-            who = owner.get(a), owner.get(b)
+            who = owner.get(pair[0]), owner.get(pair[1])
             vanish = built.scenario.at_goal == "vanish" and end == "goal"
             if who in seen or (vanish and None not in who and who[0] != who[1]):
                 continue

@@ -29,7 +29,7 @@ def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image
     solids = [Solid(s, p, stone(s.name)) for s, p in zip(built.shapes, built.poses, strict=True)]
     for i in range(len(built.robots)):
         for world, opacity in zip(worlds, (1.0, GHOST), strict=True):
-            for record in map(world.record, built.body_names(i)):
+            for record in map(world.record, world.parts(built.groups[i][0]).tolist()):
                 pose = record.pose.copy()
                 pose[2, 3] += (1.0 - opacity) * LIFT  # else it flickers where it lies in another
                 solids.append(Solid(record.shape, pose, color(i), opacity))

@@ -30,16 +30,15 @@ def scatter(scenario: Scenario, draw: Callable[[int], Q], margin: float = MARGIN
     built = scenario.build()
     world, placed = built.world(robots=False), []
     for i, robot in enumerate(built.robots):
+        me = -1
         gap = margin if len(robot.parts) == 1 else 0.0
-        ids: list[int] = []
         for _ in range(TRIES):
             q = draw(i)
             if not robot.valid(q):
                 continue
-            poses = built.part_poses(i, np.array(q))
-            ids = ids or built.add_robot(world, i, np.array(q))
-            world.set_pose(ids, poses)
-            if not any(world.collides(k, p, margin=gap) for k, p in zip(ids, poses, strict=True)):
+            me = built.add_robot(world, i, np.array(q)) if me < 0 else me
+            if not world.collides(me, q, margin=gap):
+                world.set_configuration(me, q)
                 placed.append(q)
                 break
         else:
