@@ -64,8 +64,10 @@ def test_robots_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     names: dict[str, Any] = {}
     exec(block("robots"), names)
     arm, world, found = (names[k] for k in ("arm", "world", "found"))
-    assert names["hits"].shape == (1000,)
-    assert 50 < names["hits"].sum() < 1000
+    assert names["cart"].dof == 3
+    assert names["way"].shape == (50, arm.nq)
+    assert arm.contacts() == ()
+    assert 20 < names["hits"].sum() < 1000
     assert not found.unresolved
     assert world.parts("panda").tolist()[-1] == world.ids[-1]
     at_rest = arm.forward(arm.rest, "panda_hand")

@@ -8,19 +8,16 @@ import os
 import pickle
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio
 import pytest
-import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from ompl import base as ob
 from robots import BOX, ROOM, URDFS, random_tree, real, urdf
-from test_readme import block
 
 from fgenv import _core
 from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
@@ -417,17 +414,6 @@ def test_same_bits_for_any_threads_and_instruction_set() -> None:
         run = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, check=True)
         seen.add(run.stdout)
     assert len(seen) == 1
-
-
-def test_readme_says_the_truth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    trimesh.creation.box((800, 500, 300)).export("cart.stl")
-    names: dict[str, Any] = {}
-    exec(block("robots").replace("panda.urdf", str(urdf(URDFS[0]))), names)
-    assert names["cart"].dof == 3
-    assert names["hands"].shape == (1000, 4, 4)
-    assert names["way"].shape == (50, names["arm"].nq)
-    assert names["arm"].contacts() == ()
 
 
 # Bad input
