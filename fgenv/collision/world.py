@@ -353,6 +353,28 @@ class World:
         """
         return MotionResult(*self._core.check_motions(robots, T0, T1, margin, tolerance, t0, t1))
 
+    def advance(
+        self,
+        robots: Sequence[Body] | NDArray[np.integer[Any]],
+        to: ArrayLike,
+        *,
+        margin: float = 0.0,
+        tolerance: float = TOLERANCE,
+        t0: float | None = None,
+        t1: float | None = None,
+    ) -> MotionResult:
+        """Move robots (n,) at once from where they are, each up to where it first meets something.
+
+        Both that meet stop there, in the order of time, and who comes later meets them where they
+        stand; `contact` is the fraction of its way that each has gone. Where nobody overlapped
+        before, nobody does afterwards.
+
+        Args:
+            to: (n, 4, 4), or (n, nq) for robots that all have the same coordinates.
+            margin, tolerance, t0, t1: as for `check_motion`.
+        """
+        return MotionResult(*self._core.advance(robots, to, margin, tolerance, t0, t1))
+
     def contacts(self, *, margin: float = 0.0, threads: int | None = None) -> NDArray[np.int32]:
         """All pairs of bodies that collide where they are, (n, 2) ids, each pair rising."""
         return self._core.contacts(margin, threads)

@@ -6,6 +6,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <limits>
 #include <mutex>
 
@@ -473,6 +474,25 @@ std::vector<Tree> trees_of(const World& w, const AskedBodies& all, const char* n
     return out;
 }
 
+void refuse_twice(std::vector<BodyId> ids) {
+    std::sort(ids.begin(), ids.end());
+    const auto twice = std::adjacent_find(ids.begin(), ids.end());
+    if (twice != ids.end()) fail("robots: body " + std::to_string(*twice) + " is named twice");
+}
+
+// Of many movers, found with the interpreter free.
+template <class F>
+nb::tuple outcomes_of(F find) {
+    std::vector<MotionOutcome> found;
+    {
+        nb::gil_scoped_release released;
+        found = find();
+    }
+    Outcomes out({static_cast<int64_t>(found.size())});
+    for (size_t i = 0; i < found.size(); ++i) out.put(static_cast<int64_t>(i), found[i]);
+    return out.tuple();
+}
+
 nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::handle T1, double margin,
                         double tolerance, nb::handle t0, nb::handle t1) {
     const AskedBodies all = asked_bodies(robots, "robots");
@@ -486,21 +506,30 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::ha
     const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims()}, {"T1", to.dims()}});
     if (all.one || shape.dims != wanted)
         fail(std::string("robots, T0, T1: wanted (n,), ") + (tree ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
+    refuse_twice(ids);
     std::vector<Place> begin, end;
     for (size_t i = 0; i < ids.size(); ++i) {
         mover_of(w, all.items[i], trees[i], "robots");
-        if (std::count(ids.begin(), ids.end(), ids[i]) > 1) fail("robots: body " + std::to_string(ids[i]) + " is named twice");
         begin.push_back(from[shape.offset(1, static_cast<int64_t>(i))]);
         end.push_back(to[shape.offset(2, static_cast<int64_t>(i))]);
     }
-    std::vector<MotionOutcome> found;
-    {
-        nb::gil_scoped_release released;
-        found = w.check_motions(ids, begin, end, s);
-    }
-    Outcomes out(wanted);
-    for (size_t i = 0; i < found.size(); ++i) out.put(static_cast<int64_t>(i), found[i]);
-    return out.tuple();
+    return outcomes_of([&] { return w.check_motions(ids, begin, end, s); });
+}
+
+nb::tuple advance(World& w, nb::handle robots, nb::handle to, double margin, double tolerance, nb::handle t0,
+                  nb::handle t1) {
+    const AskedBodies all = asked_bodies(robots, "robots");
+    const std::vector<Tree> trees = trees_of(w, all, "robots");
+    const Places ends = places(trees.empty() ? nullptr : trees[0], to, "to");
+    const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
+    const auto lock = writing(w);
+    std::vector<BodyId> ids;
+    for (size_t i = 0; i < all.items.size(); ++i) ids.push_back(mover_of(w, all.items[i], trees[i], "robots"));
+    refuse_twice(ids);
+    if (all.one || ends.dims() != Dims{static_cast<int64_t>(ids.size())})
+        fail(std::string("robots, to: wanted (n,) and (n") + ends.row());
+    const std::vector<Place> there = ends.all();
+    return outcomes_of([&] { return w.advance(ids, there, s); });
 }
 
 nb::object contacts(const World& w, double margin, nb::handle threads) {
@@ -717,6 +746,7 @@ void bind_world(nb::module_& m) {
              "mode"_a.none(), "resolution"_a.none(), "first"_a, "t0"_a.none(), "t1"_a.none(), "threads"_a.none())
         .def("check_motions", &check_motions, "robots"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a,
              "tolerance"_a, "t0"_a.none(), "t1"_a.none())
+        .def("advance", &advance, "robots"_a.none(), "to"_a.none(), "margin"_a, "tolerance"_a, "t0"_a.none(), "t1"_a.none())
         .def("contacts", &contacts, "margin"_a, "threads"_a.none())
         .def("raycast", &raycast, "origins"_a.none(), "directions"_a.none(), "max_distance"_a, "ignore"_a.none(),
              "threads"_a.none())

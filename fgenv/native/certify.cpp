@@ -10,7 +10,7 @@
 namespace fgenv {
 namespace {
 
-constexpr int max_steps = 300;     // of one pair of faces
+constexpr int max_steps = 3000;    // of one pair of faces
 constexpr int some_pairs = 256;    // of faces, and
 constexpr int some_boxes = 128;    // pairs of boxes opened: where there are more, half the time is tried,
 constexpr int max_halvings = 5;    // up to so many times; then
@@ -106,18 +106,21 @@ private:
 
     // How long a plane across the unit vector n parts the faces for certain, b on the side it points to.
     double stay_along(Vec3 n) const {
-        double top = -HUGE_VAL, bottom = HUGE_VAL;  // of a's corners, of b's
-        double rise = -HUGE_VAL, fall = HUGE_VAL;  // the fastest of a towards b, the slowest of b away
+        double at_a[3], at_b[3], of_a[3], of_b[3];  // corners along n, and how fast
         for (int k = 0; k < 3; ++k) {
-            top = greater(top, dot(n, xa_[k]));
-            bottom = lesser(bottom, dot(n, xb_[k]));
-            const double ua = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
-            const double ub = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
-            rise = greater(rise, ua);
-            fall = lesser(fall, ub);
+            at_a[k] = dot(n, xa_[k]) + settings_.margin + slack_;
+            at_b[k] = dot(n, xb_[k]);
+            of_a[k] = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
+            of_b[k] = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
         }
-        const double gap = bottom - top - settings_.margin - slack_;
-        return gap > 0 ? time(gap, rise - fall) : 0;
+        double longest = HUGE_VAL;
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                const double gap = at_b[l] - at_a[k];
+                if (!(gap > 0)) return 0;
+                longest = lesser(longest, time(gap, of_a[k] - of_b[l]));
+            }
+        return longest;
     }
 
     void place(double t) {

@@ -21,6 +21,11 @@ struct CertifySettings {
 struct Contact {
     double free_until = 1, shown = 1;
     bool found = false;
+
+    // Whether this one, found after another, is of other faces than that: not that one with less proved free.
+    bool replaces(const Contact& before) const {
+        return found && (!before.found || (free_until < before.free_until && shown != before.shown));
+    }
 };
 
 // Conservative advancement (X. Zhang et al., "Interactive continuous collision detection for non-convex

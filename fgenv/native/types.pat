@@ -125,6 +125,9 @@ fgenv._core.World.check_motion$:
 fgenv._core.World.check_motions$:
     def check_motions(self, robots: Any, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
 
+fgenv._core.World.advance$:
+    def advance(self, robots: Any, to: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+
 fgenv._core.World.contacts$:
     def contacts(self, margin: float, threads: int | None) -> NDArray[int32]: ...
 

@@ -153,6 +153,10 @@ public:
     // All at once, each against the others' motions too.
     std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
                                              const std::vector<Place>& to, const MotionSettings& settings) const;
+    // Moves all at once from where they are, each up to where it first meets something; the others meet it
+    // there. Where nobody overlapped before, nobody does afterwards.
+    std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
+                                       const MotionSettings& settings);
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
     // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
@@ -177,6 +181,12 @@ public:
 private:
     struct Part;
     struct Sweeping;
+    struct Fleet;
+    struct Meeting {  // of two movers, fractions of the whole motion
+        Contact contact;
+        BodyId of_a = -1, of_b = -1;
+        int64_t checks = 0;
+    };
 
     Body& at(BodyId id);
     Body& root_at(BodyId id, const char* what);
@@ -207,8 +217,12 @@ private:
     void certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
                      MotionOutcome& out) const;
     void certify_itself(const Sweeping& moving, const MotionSettings& s, MotionOutcome& out) const;
-    void meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, MotionOutcome& of_a,
-              MotionOutcome& of_b) const;
+    Fleet fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
+                const MotionSettings& s) const;
+    Meeting meeting(const Sweeping& a, bool a_rests, const Sweeping& b, bool b_rests, double begin, double until,
+                    const MotionSettings& s) const;
+    std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
+    void count_tests(const std::vector<MotionOutcome>& outcomes) const;
 
     Masks masks_;
     std::vector<std::unique_ptr<Body>> bodies_;  // by id

@@ -2,40 +2,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "kernels.h"
-#include "world.h"
+#include "sweeping.h"
 
 namespace fgenv {
 namespace {
 
 constexpr int max_steps = 10'000'000;  // of a motion that is looked at in steps
 
-bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
-    const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, true, nullptr)) return true;
-    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
-}
-
 }  // namespace
-
-// One body along one motion.
-struct World::Part {
-    const Body* body;
-    PartMotion motion;
-    Box swept;  // margin and all
-};
-
-// A mover's parts along its motion.
-struct World::Sweeping {
-    const Body* robot;
-    MoverMotion motion;
-    bool turns_in_itself;  // parts move against each other
-    std::vector<Part> parts;
-    Box around = empty_box();
-    double speed = 0;  // of its fastest point, at most
-};
 
 World::Sweeping World::sweeping(const Body& robot, const Place& from, const Place& to, double margin) const {
     const Robot* tree = robot.robot.get();
@@ -145,7 +120,7 @@ void World::certify(const Part& part, const Body& other, const MotionSettings& s
             from = to;
         }
     }
-    if (out.contact.found && (!before.found || out.contact.free_until < before.free_until)) {
+    if (out.contact.replaces(before)) {
         out.part = part.body->id;
         out.other = other.id;
     }
@@ -174,7 +149,7 @@ void World::certify_itself(const Sweeping& moving, const MotionSettings& s, Moti
         const Contact before = out.contact;
         int64_t sweeps = 0;
         find_contact({a.body->shape.get(), &*a.motion}, {b.body->shape.get(), &*b.motion}, 0, 1, s.certify, out.contact, sweeps);
-        if (!out.contact.found || (before.found && out.contact.free_until >= before.free_until)) continue;
+        if (!out.contact.replaces(before)) continue;
         out.part = a.body->id;
         out.other = b.body->id;
     }
@@ -200,67 +175,6 @@ MotionOutcome World::check_motion(BodyId id, const Place& from, const Place& to,
     }
     tests_.fetch_add(out.checks, std::memory_order_relaxed);
     return out;
-}
-
-std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
-                                                const std::vector<Place>& to, const MotionSettings& given) const {
-    const size_t n = robots.size();
-    std::vector<Sweeping> moving;
-    std::vector<Box> boxes;
-    std::vector<BodyId> sorted = robots;
-    std::sort(sorted.begin(), sorted.end());
-    for (size_t i = 0; i < n; ++i) {
-        moving.push_back(sweeping(body(robots[i]), from[i], to[i], given.certify.margin));
-        boxes.push_back(moving.back().around);
-    }
-    std::vector<MotionOutcome> out(n);
-    BoxIndex index;
-    std::vector<int32_t> rows(n);
-    std::iota(rows.begin(), rows.end(), 0);
-    index.set_many(rows, boxes);
-    std::vector<BodyId> others, near;
-    for (size_t i = 0; i < n; ++i) {
-        const MotionSettings s = given.with_speed(moving[i].speed);
-        candidates(body(robots[i]), moving[i].around, others);
-        others.erase(std::remove_if(others.begin(), others.end(),
-                                    [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
-                     others.end());
-        if (touches_at(moving[i], 0, others, s, out[i])) out[i].contact = {0, 0, true};
-        certify_all(moving[i], others, s, out[i]);
-        near.clear();
-        index.overlapping(moving[i].around, near);
-        std::sort(near.begin(), near.end());
-        for (int32_t j : near)
-            if (static_cast<size_t>(j) > i)
-                meet(moving[i], moving[j], given.with_speed(greater(moving[i].speed, moving[j].speed)), out[i], out[j]);
-    }
-    int64_t checks = 0;
-    for (const MotionOutcome& o : out) checks += o.checks;
-    tests_.fetch_add(checks, std::memory_order_relaxed);
-    return out;
-}
-
-// Two movers at once; the earlier of what each knew and what is found here stands for each.
-void World::meet(const Sweeping& a, const Sweeping& b, const MotionSettings& s, MotionOutcome& of_a,
-                 MotionOutcome& of_b) const {
-    for (const Part& p : a.parts)
-        for (const Part& q : b.parts) {
-            if (ignores(*p.body, *q.body) || !overlap(p.swept, q.swept)) continue;
-            Contact found;
-            found.free_until = greater(of_a.contact.free_until, of_b.contact.free_until);
-            ++of_a.checks;
-            ++of_b.checks;
-            int64_t sweeps = 0;
-            if (hits(*p.body->shape, p.motion->pose(0), *q.body->shape, q.motion->pose(0), s.certify.margin))
-                found = {0, 0, true};
-            else
-                find_contact({p.body->shape.get(), &*p.motion}, {q.body->shape.get(), &*q.motion}, 0, 1, s.certify, found, sweeps);
-            if (!found.found) continue;
-            if (found.free_until < of_a.contact.free_until || !of_a.contact.found)
-                of_a.contact = found, of_a.part = p.body->id, of_a.other = q.body->id;
-            if (found.free_until < of_b.contact.free_until || !of_b.contact.found)
-                of_b.contact = found, of_b.part = q.body->id, of_b.other = p.body->id;
-        }
 }
 
 }  // namespace fgenv

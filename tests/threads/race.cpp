@@ -96,6 +96,7 @@ void change(World& w, Random& random, const std::shared_ptr<Shape>& shape, const
     once([&] { w.set_poses({mine, even}, {random.pose(2), random.pose(2)}); });
     once([&] { w.set_path(mine, random.places(3, 2)); });
     once([&] { w.set_path(even, random.places(2, 2)); });
+    once([&] { w.advance({mine, even}, random.places(2, 2), MotionSettings{}); });
     once([&] { w.allow(mine, even, true); });
     once([&] { w.allow_groups("g", name, random.below(2)); });
     once([&] { w.set_trajectory(mine, {{0, 1}, random.places(2, 2)}); });
