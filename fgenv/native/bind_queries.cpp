@@ -17,12 +17,6 @@ const Shape& shape_of(nb::handle value, const char* name) {
     return *shape;
 }
 
-bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
-    const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, margin > 0, nullptr)) return true;
-    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
-}
-
 nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, double margin,
                    nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
@@ -30,14 +24,14 @@ nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, dou
     metres_of(margin, "margin");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) {
-        const bool hit = hits(a, ta[0], b, tb[0], margin);
+        const bool hit = hits(a, b, relative(ta[0], tb[0]), margin, false);
         return nb::cast(hit);
     }
     const Broadcast shape = broadcast({{"Ta", ta.dims}, {"Tb", tb.dims}});
     Output<bool> out = make_output<bool>(shape.dims);
     parallel_for(shape.size, n_threads, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i)
-            out.data[i] = hits(a, ta[shape.offset(0, i)], b, tb[shape.offset(1, i)], margin);
+            out.data[i] = hits(a, b, relative(ta[shape.offset(0, i)], tb[shape.offset(1, i)]), margin, false);
     });
     return nb::cast(out.array);
 }

@@ -254,10 +254,7 @@ private:
     }
 
     bool collides(double t) const {
-        const Rigid pose = relative(a_.motion->pose(t), b_.motion->pose(t));
-        const double m = settings_.margin;
-        return kernels().collide(*a_.shape, *b_.shape, pose, true, nullptr) ||
-               (m > 0 && kernels().nearest(*a_.shape, *b_.shape, pose, m * m, true).face_a >= 0);
+        return hits(*a_.shape, *b_.shape, relative(a_.motion->pose(t), b_.motion->pose(t)), settings_.margin, true);
     }
 
     const Moving &a_, &b_;

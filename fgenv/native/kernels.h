@@ -79,4 +79,10 @@ struct Kernels {
 const Kernels& kernels();        // the table in use
 const char* kernels_name();      // "v3", "baseline"
 
+// Whether two bodies collide or are nearer than `margin` (metres), which only the exact graphs tell.
+static inline bool hits(const Shape& a, const Shape& b, const Rigid& b_in_a, double margin, bool lossless) {
+    return kernels().collide(a, b, b_in_a, lossless || margin > 0, nullptr) ||
+           (margin > 0 && kernels().nearest(a, b, b_in_a, margin * margin, true).face_a >= 0);
+}
+
 }  // namespace fgenv

@@ -6,12 +6,6 @@
 
 namespace fgenv {
 
-static inline bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
-    const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, true, nullptr)) return true;
-    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
-}
-
 // One body along one motion.
 struct World::Part {
     const Body* body;

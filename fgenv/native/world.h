@@ -53,6 +53,9 @@ struct Body {
     bool stands_for_itself() const { return root == id && !robot; }
     const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
     Place place() const { return {pose, q}; }
+    Rigid in(const Frames& frames) const {
+        return stands_for_itself() ? frames.body : compose(frames[link], offset);
+    }
 };
 
 // A shape of a robot.
@@ -170,6 +173,9 @@ public:
     void set_end_id(BodyId id) { bodies_.resize(std::max<size_t>(bodies_.size(), id)); }
     size_t size() const { return names_.size(); }
     Masks masks() const { return masks_; }
+    const char* masks_name() const {
+        return masks_ == Masks::path ? "path" : masks_ == Masks::off ? "off" : "published";
+    }
     const std::vector<std::string>& groups() const { return groups_; }
     const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
     bool ignores(const Body& a, const Body& b) const;  // a pair that is never a collision

@@ -2,28 +2,10 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sorted.h"
 #include "world.h"
 
 namespace fgenv {
-namespace {
-
-template <class T>
-bool contains(const std::vector<T>& sorted, const T& x) {
-    return std::binary_search(sorted.begin(), sorted.end(), x);
-}
-template <class T>
-void insert(std::vector<T>& sorted, const T& x) {
-    const auto at = std::lower_bound(sorted.begin(), sorted.end(), x);
-    if (at == sorted.end() || *at != x) sorted.insert(at, x);
-}
-template <class T>
-void erase(std::vector<T>& sorted, const T& x) {
-    const auto at = std::lower_bound(sorted.begin(), sorted.end(), x);
-    if (at != sorted.end() && *at == x) sorted.erase(at);
-}
-
-}  // namespace
-
 World::World(const World& other)
     : masks_(other.masks_), names_(other.names_), groups_(other.groups_), allowed_groups_(other.allowed_groups_),
       index_(other.index_), legs_(other.legs_), leg_of_(other.leg_of_), paths_(other.paths_), tests_(other.tests_.load()) {
@@ -206,7 +188,7 @@ void World::put(const std::vector<BodyId>& roots, const std::vector<Place>& plac
         const Frames frames = frames_at(root.robot.get(), places[i]);
         for (BodyId id : root.parts) {
             Body& part = at(id);
-            refresh(part, part.held_at() ? compose(frames[part.link], part.offset) : frames.body);
+            refresh(part, part.in(frames));
             moved.push_back(id);
             extents.push_back(part.extent);
         }

@@ -65,7 +65,7 @@ World::Meeting World::meeting(const Sweeping& a, bool a_rests, const Sweeping& b
             ++out.checks;
             const PartMotion u = piece(p, a_rests), v = piece(q, b_rests);
             const Contact before = first;
-            if (begin == 0 && hits(*p.body->shape, u->pose(0), *q.body->shape, v->pose(0), s.certify.margin))
+            if (begin == 0 && hits(*p.body->shape, *q.body->shape, relative(u->pose(0), v->pose(0)), s.certify.margin, true))
                 first = {0, 0, true};
             else
                 find_contact({p.body->shape.get(), &*u}, {q.body->shape.get(), &*v}, 0, 1, s.certify, first, sweeps);

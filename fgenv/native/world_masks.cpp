@@ -3,19 +3,12 @@
 // reference point's path, a body's position, and one bit for all: that is Masks::published.
 #include <algorithm>
 
+#include "sorted.h"
 #include "world.h"
 
 namespace fgenv {
 namespace {
 
-void insert(std::vector<BodyId>& sorted, BodyId x) {
-    const auto at = std::lower_bound(sorted.begin(), sorted.end(), x);
-    if (at == sorted.end() || *at != x) sorted.insert(at, x);
-}
-void erase(std::vector<BodyId>& sorted, BodyId x) {
-    const auto at = std::lower_bound(sorted.begin(), sorted.end(), x);
-    if (at != sorted.end() && *at == x) sorted.erase(at);
-}
 void sort_unique(std::vector<BodyId>& v) {
     std::sort(v.begin(), v.end());
     v.erase(std::unique(v.begin(), v.end()), v.end());

@@ -39,7 +39,7 @@ bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyI
         const Part &a = moving.parts[i], &b = moving.parts[j];
         if (!overlap(a.swept, b.swept)) continue;
         ++out.checks;
-        if (!hits(*a.body->shape, a.motion->pose(t), *b.body->shape, b.motion->pose(t), margin)) continue;
+        if (!hits(*a.body->shape, *b.body->shape, relative(a.motion->pose(t), b.motion->pose(t)), margin, true)) continue;
         out.part = a.body->id;
         out.other = b.body->id;
         return true;
@@ -51,7 +51,7 @@ bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyI
             const Body& other = body(id);
             if (ignores(*part.body, other) || !overlap(box, box_of(other, time))) continue;
             ++out.checks;
-            if (!hits(*part.body->shape, pose, *other.shape, pose_of(other, time), margin)) continue;
+            if (!hits(*part.body->shape, *other.shape, relative(pose, pose_of(other, time)), margin, true)) continue;
             out.part = part.body->id;
             out.other = id;
             return true;

@@ -8,12 +8,6 @@
 namespace fgenv {
 namespace {
 
-bool hits(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, double margin) {
-    const Rigid pose = relative(ta, tb);
-    if (kernels().collide(a, b, pose, margin > 0, nullptr)) return true;
-    return margin > 0 && kernels().nearest(a, b, pose, margin * margin, true).face_a >= 0;
-}
-
 // Above a squared distance, in floats.
 float float_bound(double squared) {
     return squared < 1e30 ? rounded_up(squared) * 1.00001f + 1e-30f : 1e30f;
@@ -28,7 +22,7 @@ Rigid World::pose_of(const Body& b, double time) const {
     const Trajectory::Leg leg = root.trajectory->leg(time);
     const Frames frames =
         frames_at(robot, leg.length > 0 ? between(robot, leg.from, leg.to, (time - leg.begin) / leg.length) : leg.from);
-    return b.held_at() ? compose(frames[b.link], b.offset) : frames.body;
+    return b.in(frames);
 }
 
 Box World::box_of(const Body& b, double time) const {
@@ -43,7 +37,7 @@ bool World::collides(BodyId id, const Place& place, double time, double margin) 
     Box around = empty_box();
     for (BodyId part_id : robot.parts) {
         const Body& part = body(part_id);
-        poses.push_back(part.held_at() ? compose(frames[part.link], part.offset) : frames.body);
+        poses.push_back(part.in(frames));
         boxes.push_back(widened(posed_box(*part.shape, poses.back()), margin));
         grow(around, boxes.back());
     }
@@ -53,7 +47,7 @@ bool World::collides(BodyId id, const Place& place, double time, double margin) 
         if (hit) break;
         if (!overlap(boxes[i], boxes[j])) continue;
         ++n;
-        hit = hits(*body(robot.parts[i]).shape, poses[i], *body(robot.parts[j]).shape, poses[j], margin);
+        hit = hits(*body(robot.parts[i]).shape, *body(robot.parts[j]).shape, relative(poses[i], poses[j]), margin, false);
     }
     std::vector<BodyId> near;
     if (!hit) candidates(robot, around, near);
@@ -65,7 +59,7 @@ bool World::collides(BodyId id, const Place& place, double time, double margin) 
             const Body& part = body(robot.parts[i]);
             if ((masks_ == Masks::path && !overlap(box, boxes[i])) || ignores(part, b)) continue;
             ++n;
-            hit = hits(*part.shape, poses[i], *b.shape, pose_of(b, time), margin);
+            hit = hits(*part.shape, *b.shape, relative(poses[i], pose_of(b, time)), margin, false);
         }
         if (hit) break;
     }
@@ -82,7 +76,7 @@ Clearance World::clearance(BodyId id, const Place& place, double time) const {
     int64_t n = 0;
     for (BodyId part_id : robot.parts) {
         const Body& part = body(part_id);
-        const Rigid placed = part.held_at() ? compose(frames[part.link], part.offset) : frames.body;
+        const Rigid placed = part.in(frames);
         const Box box = posed_box(*part.shape, placed);
         const float lo[3] = {rounded_down(box.lo.x), rounded_down(box.lo.y), rounded_down(box.lo.z)};
         const float hi[3] = {rounded_up(box.hi.x), rounded_up(box.hi.y), rounded_up(box.hi.z)};
@@ -168,7 +162,8 @@ void World::contacts_of_block(int32_t block, double margin, std::vector<std::pai
                 ++n;
                 // The one added first is `a` of the query, whatever the index looks like.
                 const Body &first = a.id < b.id ? a : b, &second = a.id < b.id ? b : a;
-                if (hits(*first.shape, first.pose, *second.shape, second.pose, margin)) out.emplace_back(first.id, second.id);
+                if (hits(*first.shape, *second.shape, relative(first.pose, second.pose), margin, false))
+                    out.emplace_back(first.id, second.id);
             }
         }
     };

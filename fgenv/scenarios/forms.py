@@ -44,9 +44,6 @@ class Form(Spec):
     """What all kinds of shapes have."""
 
     @abstractmethod
-    def mesh(self) -> Any:
-        """The mesh, metres."""
-
     def shape(self, folder: Path | None = None) -> Shape:
         """The shape; equal forms share one.
 
@@ -56,10 +53,20 @@ class Form(Spec):
         Raises:
             ValueError, FileNotFoundError: saying what is wrong.
         """
+
+
+class Solid(Form):
+    """A kind that is made from its sizes."""
+
+    @abstractmethod
+    def mesh(self) -> Any:
+        """The mesh, metres."""
+
+    def shape(self, folder: Path | None = None) -> Shape:
         return _shape(self)
 
 
-class Box(Form):
+class Box(Solid):
     """A box, its middle at the origin."""
 
     kind: Literal["box"]
@@ -69,7 +76,7 @@ class Box(Form):
         return primitives.box(self.size)
 
 
-class Block(Form):
+class Block(Solid):
     """A box that stands on the floor at its origin."""
 
     kind: Literal["block"]
@@ -80,7 +87,7 @@ class Block(Form):
         return solids.block((-x / 2, -y / 2, 0.0), (x / 2, y / 2, z))
 
 
-class Cylinder(Form):
+class Cylinder(Solid):
     """A cylinder about z, its middle at the origin; the mesh encloses it by at most 1 mm."""
 
     kind: Literal["cylinder"]
@@ -91,7 +98,7 @@ class Cylinder(Form):
         return primitives.cylinder(self.radius, self.length)[0]
 
 
-class Sphere(Form):
+class Sphere(Solid):
     """A sphere, its middle at the origin; the mesh encloses it by at most 1 % of its radius."""
 
     kind: Literal["sphere"]
@@ -101,7 +108,7 @@ class Sphere(Form):
         return primitives.sphere(self.radius, max(1e-3, 0.01 * self.radius))[0]
 
 
-class Disc(Form):
+class Disc(Solid):
     """An upright prism of 24 sides around a circle; stands on the floor at its origin."""
 
     kind: Literal["disc"]
@@ -112,7 +119,7 @@ class Disc(Form):
         return vehicles.drum(self.radius * 1.00863, 0.0, self.height)  # 1 / cos(pi / 24)
 
 
-class LShape(Form):
+class LShape(Solid):
     """An L seen from above, corner at -x, -y; stands on the floor, middle of its box at 0, 0."""
 
     kind: Literal["l"]
@@ -127,7 +134,7 @@ class LShape(Form):
         return vehicles.angle_iron(self.length, self.width, self.arm, self.height)
 
 
-class Cart(Form):
+class Cart(Solid):
     """A low transport robot, x forward; stands on the floor at its origin."""
 
     kind: Literal["cart"]
@@ -139,7 +146,7 @@ class Cart(Form):
         return vehicles.cart(self.length, self.width, self.height)
 
 
-class CarBody(Form):
+class CarBody(Solid):
     """A car, x forward, the origin on the floor under its rear axle; axles 0.6 length apart."""
 
     kind: Literal["car"]
@@ -151,7 +158,7 @@ class CarBody(Form):
         return vehicles.car(self.length, self.width, self.height)
 
 
-class Shelf(Form):
+class Shelf(Solid):
     """A rack on four legs, its boards along x; stands on the floor at its origin."""
 
     kind: Literal["shelf"]
@@ -168,7 +175,7 @@ class Shelf(Form):
         return vehicles.shelf(*sizes, self.levels)
 
 
-class Tree(Form):
+class Tree(Solid):
     """A conifer; stands on the floor at its origin."""
 
     kind: Literal["tree"]
@@ -180,7 +187,7 @@ class Tree(Form):
         return vehicles.tree(self.radius, self.height, self.crown)
 
 
-class Quadcopter(Form):
+class Quadcopter(Solid):
     """A quadcopter with four rotors, x forward, its middle at the origin."""
 
     kind: Literal["quadcopter"]
@@ -191,7 +198,7 @@ class Quadcopter(Form):
         return vehicles.drone(self.span, self.height)
 
 
-class Tank(Form):
+class Tank(Solid):
     """A tank on four legs with a nozzle, of the published scene; stands on the floor."""
 
     kind: Literal["tank"]
@@ -203,7 +210,7 @@ class Tank(Form):
         return solids.tank(self.radius, self.height, self.nozzle)
 
 
-class MobileRobot(Form):
+class MobileRobot(Solid):
     """The mobile robot with a lifting fork of the published scene, 1.1 m long, x forward."""
 
     kind: Literal["mobile_robot"]
@@ -223,9 +230,6 @@ class MeshFile(Form):
         pattern="^[0-9a-f]{64}$",
         description="Hash of the file's bytes, checked on loading",
     )
-
-    def mesh(self) -> Any:
-        raise NotImplementedError
 
     def path(self, folder: Path | None) -> Path:
         """Where the file is."""
@@ -263,7 +267,7 @@ AnyForm = Annotated[
 
 
 @lru_cache(maxsize=256)
-def _shape(form: Form) -> Shape:
+def _shape(form: Solid) -> Shape:
     made = form.mesh()
     if isinstance(made, Shape):
         return made
