@@ -313,6 +313,26 @@ def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
     assert 10.0 * (found.contact_by - found.contact) <= TOLERANCE
 
 
+def test_who_is_named_is_met() -> None:
+    """Not one that is merely within the tolerance of where another has been met."""
+    rng = np.random.default_rng(4)
+    named = 0
+    for _ in range(300):
+        iron, block = Shape(*angle_iron()), Shape(*box(0.5))
+        world = World()
+        robot = world.add(iron)
+        for _ in range(8):
+            world.add(block, somewhere(rng, 1.5))
+        start, end = somewhere(rng, 1.5), somewhere(rng, 1.5)
+        found = world.check_motion(robot, start, end, tolerance=0.05)
+        if not 0 < found.contact_by <= 1:
+            continue
+        there = along(start, end, np.array([found.contact_by]))[0]
+        assert collide(iron, there, block, world.poses(found.other), margin=1e-9)
+        named += 1
+    assert named > 50
+
+
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
 def test_a_corner_that_meets_a_corner_is_shown(tolerance: float) -> None:
     """Some of the faces around them pass, others enter."""
