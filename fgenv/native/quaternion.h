@@ -25,6 +25,22 @@ static inline void to_matrix(Quaternion q, double (&r)[3][3]) {
     r[2][0] = zx - yw, r[2][1] = yz + xw, r[2][2] = 1 - xx - yy;
 }
 
+// Of a rotation, w not below 0.
+static inline Quaternion quaternion_of(const Rigid& m) {
+    double w;
+    Vec3 v;
+    quaternion_parts(m.r, w, v);
+    return normalized(w < 0 ? Quaternion{-v.x, -v.y, -v.z, -w} : Quaternion{v.x, v.y, v.z, w});
+}
+
+// The second as seen from the first, w not below 0.
+static inline Quaternion relative(Quaternion a, Quaternion b) {
+    const Vec3 u{a.x, a.y, a.z}, v{b.x, b.y, b.z};
+    const Vec3 t = a.w * v - b.w * u - cross(u, v);
+    const double w = a.w * b.w + dot(u, v);
+    return w < 0 ? Quaternion{-t.x, -t.y, -t.z, -w} : Quaternion{t.x, t.y, t.z, w};
+}
+
 // From one orientation to another at constant angular velocity (K. Shoemake, "Animating rotation with
 // quaternion curves", 1985). At a half turn either way is as short; the signs as given decide.
 class Slerp {

@@ -27,16 +27,10 @@ static inline Vec3 unrotate(const Rigid& m, Vec3 v) {
             m.r[0][2] * v.x + m.r[1][2] * v.y + m.r[2][2] * v.z};
 }
 
-// Rotation vector of the shortest arc from the rotation of a to that of b, in the frame that both are
-// given in; at a half turn either way is as short, and the one that rounding finds is taken.
-static inline Vec3 turn_between(const Rigid& a, const Rigid& b) {
-    double m[3][3];  // b a^T
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) m[i][j] = b.r[i][0] * a.r[j][0] + b.r[i][1] * a.r[j][1] + b.r[i][2] * a.r[j][2];
-    // The quaternion by its largest part (S. Shepperd, "Quaternion from rotation matrix", 1978).
+// Of the quaternion of a rotation, up to a factor over 0, by its largest part (S. Shepperd, "Quaternion from
+// rotation matrix", 1978).
+static inline void quaternion_parts(const double (&m)[3][3], double& w, Vec3& v) {
     const double trace = m[0][0] + m[1][1] + m[2][2];
-    double w;
-    Vec3 v;
     if (trace >= m[0][0] && trace >= m[1][1] && trace >= m[2][2]) {
         w = 1 + trace;
         v = {m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
@@ -50,6 +44,17 @@ static inline Vec3 turn_between(const Rigid& a, const Rigid& b) {
         w = m[1][0] - m[0][1];
         v = {m[0][2] + m[2][0], m[1][2] + m[2][1], 1 + m[2][2] - m[0][0] - m[1][1]};
     }
+}
+
+// Rotation vector of the shortest arc from the rotation of a to that of b, in the frame that both are
+// given in; at a half turn either way is as short, and the one that rounding finds is taken.
+static inline Vec3 turn_between(const Rigid& a, const Rigid& b) {
+    double m[3][3];  // b a^T
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m[i][j] = b.r[i][0] * a.r[j][0] + b.r[i][1] * a.r[j][1] + b.r[i][2] * a.r[j][2];
+    double w;
+    Vec3 v;
+    quaternion_parts(m, w, v);
     const double sine = norm(v);
     if (sine == 0) return {0, 0, 0};
     const double angle = 2 * arc_tangent(sine, std::fabs(w));

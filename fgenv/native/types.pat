@@ -4,7 +4,7 @@
 fgenv._core.__prefix__:
     \from collections.abc import Iterable, Sequence
     \from typing import Any
-    \from numpy import bool_, float64, int32, int64, uint8
+    \from numpy import bool_, float32, float64, int32, int64, uint8
     \from numpy.typing import ArrayLike, NDArray
 
 fgenv._core.(FeatureGraph|Shape).__init__$:
@@ -158,3 +158,42 @@ fgenv._core.Robot.link_motion$:
 fgenv._core.sin_cos$:
     def sin_cos(angles: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         \doc
+
+fgenv._core.Agent.__init__$:
+    def __init__(self, world: World, id: int, drive: str, wheelbase: float, limits: ArrayLike, lower: ArrayLike, upper: ArrayLike, starts: ArrayLike, goals: ArrayLike, tolerance: tuple[float, float], radius: float, range: float, position: ArrayLike, directions: ArrayLike) -> None: ...
+
+fgenv._core.Simulator.__init__$:
+    def __init__(self, world: World, agents: Sequence[Agent], settings: dict[str, Any], worlds: int, stands: Sequence[int], poses: Any) -> None: ...
+
+fgenv._core.Simulator.slices$:
+    def slices(self, robot: int) -> list[tuple[str, int, int]]: ...
+
+fgenv._core.Simulator.reset$:
+    def reset(self, worlds: ArrayLike | None, seeds: ArrayLike | None, threads: int | None) -> None: ...
+
+fgenv._core.Simulator.observe$:
+    def observe(self, worlds: ArrayLike | None, threads: int | None) -> NDArray[float32]: ...
+
+fgenv._core.Simulator.step$:
+    def step(self, actions: ArrayLike, threads: int | None) -> tuple[NDArray[float32], NDArray[float64], NDArray[bool_], NDArray[bool_], NDArray[bool_]]: ...
+
+fgenv._core.Simulator.place$:
+    def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None: ...
+
+fgenv._core.Simulator.set_path$:
+    def set_path(self, world: int, robot: int, path: ArrayLike) -> None: ...
+
+fgenv._core.Simulator.toward$:
+    def toward(self, targets: ArrayLike) -> NDArray[float64]: ...
+
+fgenv._core.Simulator.(configurations|goals|velocities|hit_points|hit_times|remaining|clearances|least_clearances|travelled|rewards)$:
+    def \1(self) -> NDArray[float64]: ...
+
+fgenv._core.Simulator.(hits|hit_robots|masked)$:
+    def \1(self) -> NDArray[int32]: ...
+
+fgenv._core.Simulator.(checks|collisions|arrivals|steps|numbers|seeds|cases)$:
+    def \1(self) -> NDArray[int64]: ...
+
+fgenv._core.Simulator.status$:
+    def status(self) -> NDArray[uint8]: ...

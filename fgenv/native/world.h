@@ -43,6 +43,7 @@ struct Body {
     int32_t link = 0;              // of the root, if that is a robot
     Rigid offset = identity();     // in the frame of the root or its link
     bool built_in = false;         // a shape of a robot
+    bool present = true;           // else nobody meets it
     std::vector<BodyId> parts;     // of a root: itself, then all that it carries
     std::vector<BodyId> movers;    // sorted: whose motion box it meets
     std::unique_ptr<Trajectory> trajectory;  // of a root
@@ -95,6 +96,7 @@ struct MotionOutcome {
     Contact contact;
     BodyId part = -1, other = -1;
     int64_t checks = 0;  // pairs of bodies looked at
+    int32_t masked = 0;  // bodies that the motion's mask left
 };
 
 struct Clearance {
@@ -126,6 +128,7 @@ public:
     std::vector<std::shared_ptr<Shape>> remove(BodyId id);
     void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
     void set_configuration(BodyId robot, std::vector<double> q);
+    void set_present(BodyId robot, bool present);  // with all that it carries; without a path then
     void attach(BodyId id, BodyId carrier);
     void detach(BodyId id);
     // What stands for itself is carried again, bit for bit where it was (attaching would round).
@@ -157,9 +160,9 @@ public:
     std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
                                              const std::vector<Place>& to, const MotionSettings& settings) const;
     // Moves all at once from where they are, each up to where it first meets something; the others meet it
-    // there. Where nobody overlapped before, nobody does afterwards.
+    // there. Where nobody overlapped before, nobody does afterwards. With `through` all go on to the end.
     std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
-                                       const MotionSettings& settings);
+                                       const MotionSettings& settings, bool through = false);
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
     // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
@@ -199,6 +202,7 @@ private:
     int32_t group(const std::string& name);
     const Robot* robot_of(const Body& body) const { return bodies_[body.root]->robot.get(); }
     void refresh(Body& body, const Rigid& pose);
+    void reindex(const std::vector<BodyId>& moved);
     void settle(BodyId id);
     void adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset);
     void put(const std::vector<BodyId>& roots, const std::vector<Place>& places);
@@ -228,6 +232,7 @@ private:
     Meeting meeting(const Sweeping& a, bool a_rests, const Sweeping& b, bool b_rests, double begin, double until,
                     const MotionSettings& s) const;
     std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
+    std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
     void count_tests(const std::vector<MotionOutcome>& outcomes) const;
 
     Masks masks_;

@@ -14,7 +14,7 @@ World::World(const World& other)
         if (!body) continue;
         const Body& b = *body;
         bodies_.back().reset(new Body{b.id, b.shape, b.name, b.pose, b.box, b.extent, b.groups, b.allowed, b.carrier, b.root,
-                                      b.link, b.offset, b.built_in, b.parts, b.movers,
+                                      b.link, b.offset, b.built_in, b.present, b.parts, b.movers,
                                       b.trajectory ? std::make_unique<Trajectory>(*b.trajectory) : nullptr, b.robot, b.q,
                                       b.own_pairs});
     }
@@ -139,7 +139,7 @@ void World::erase_body(BodyId id, std::vector<std::shared_ptr<Shape>>& shapes) {
     Body& b = at(id);
     for (BodyId mover : b.movers) erase(paths_.at(mover).candidates, id);
     for (BodyId other : b.allowed) erase(at(other).allowed, id);
-    index_.remove(id);
+    if (b.present) index_.remove(id);
     names_.erase(b.name);
     shapes.push_back(std::move(b.shape));
     bodies_[id].reset();
@@ -160,7 +160,7 @@ void World::refresh(Body& body, const Rigid& pose) {
 
 // After a body has come or changed its place.
 void World::settle(BodyId id) {
-    index_.set(id, body(id).extent);
+    if (body(id).present) index_.set(id, body(id).extent);
     update_masks(id);
 }
 
@@ -181,7 +181,6 @@ void World::set_configuration(BodyId robot, std::vector<double> q) {
 
 void World::put(const std::vector<BodyId>& roots, const std::vector<Place>& places) {
     std::vector<BodyId> moved;
-    std::vector<Box> extents;
     for (size_t i = 0; i < roots.size(); ++i) {
         Body& root = at(roots[i]);
         root.q = places[i].q;
@@ -189,13 +188,31 @@ void World::put(const std::vector<BodyId>& roots, const std::vector<Place>& plac
         for (BodyId id : root.parts) {
             Body& part = at(id);
             refresh(part, part.in(frames));
-            moved.push_back(id);
-            extents.push_back(part.extent);
+            if (part.present) moved.push_back(id);
         }
     }
+    reindex(moved);
+}
+
+void World::reindex(const std::vector<BodyId>& moved) {
+    std::vector<Box> extents;
+    for (BodyId id : moved) extents.push_back(body(id).extent);
     index_.set_many(moved, extents);
     if (!paths_.empty())
         for (BodyId id : moved) update_masks(id);
+}
+
+void World::set_present(BodyId robot, bool present) {
+    Body& root = root_at(robot, "robot");
+    if (root.present == present) return;
+    if (!present) clear_path(robot);
+    for (BodyId id : root.parts) {
+        at(id).present = present;
+        if (present) continue;
+        index_.remove(id);
+        update_masks(id);
+    }
+    if (present) reindex(root.parts);
 }
 
 // Puts a body and all that it carries under a root.
@@ -227,7 +244,7 @@ void World::bonds_changed(BodyId root) {
     Body& r = at(root);
     for (BodyId part : r.parts) {
         refresh(at(part), body(part).pose);
-        index_.set(part, body(part).extent);
+        if (body(part).present) index_.set(part, body(part).extent);
     }
     find_own_pairs(r);
     if (path(root)) set_path(root, std::vector<Place>(paths_.at(root).places));

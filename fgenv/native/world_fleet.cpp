@@ -37,6 +37,7 @@ World::Fleet World::fleet(const std::vector<BodyId>& robots, const std::vector<P
         others.erase(std::remove_if(others.begin(), others.end(),
                                     [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
                      others.end());
+        out.alone[i].masked = static_cast<int32_t>(others.size() + out.near[i].size()) - 1;
         const MotionSettings s = given.with_speed(moving.speed);
         if (touches_at(moving, 0, others, s, out.alone[i])) out.alone[i].contact = {0, 0, true};
         certify_all(moving, others, s, out.alone[i]);
@@ -80,7 +81,11 @@ World::Meeting World::meeting(const Sweeping& a, bool a_rests, const Sweeping& b
 
 std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
                                                 const std::vector<Place>& to, const MotionSettings& s) const {
-    const Fleet all = fleet(robots, from, to, s);
+    return contacts(fleet(robots, from, to, s), s);
+}
+
+// Of each its first contact, as if nobody stopped.
+std::vector<MotionOutcome> World::contacts(const Fleet& all, const MotionSettings& s) const {
     std::vector<MotionOutcome> out = all.alone;
     const auto lower = [](MotionOutcome& known, const Contact& found, BodyId part, BodyId other) {
         if (known.contact.found && found.free_until >= known.contact.free_until) return;
@@ -104,10 +109,15 @@ std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robot
 }
 
 std::vector<MotionOutcome> World::advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
-                                          const MotionSettings& s) {
+                                          const MotionSettings& s, bool through) {
     std::vector<Place> places;
     for (BodyId id : robots) places.push_back(body(id).place());
-    const std::vector<MotionOutcome> out = stops(fleet(robots, places, to, s), s);
+    const Fleet all = fleet(robots, places, to, s);
+    const std::vector<MotionOutcome> out = through ? contacts(all, s) : stops(all, s);
+    if (through) {
+        put(robots, to);
+        return out;
+    }
     for (size_t i = 0; i < robots.size(); ++i) {
         const double t = out[i].contact.found ? out[i].contact.free_until : 1;
         if (t > 0) places[i] = between(body(robots[i]).robot.get(), places[i], to[i], t);
@@ -149,6 +159,7 @@ std::vector<MotionOutcome> World::stops(const Fleet& all, const MotionSettings& 
     for (int32_t i = 0; i < n; ++i) {
         const MotionOutcome& alone = all.alone[i];
         out[i].checks = alone.checks;
+        out[i].masked = alone.masked;
         if (alone.contact.found) add({alone.contact, alone.part, alone.other, 0}, i, -1, 0);
         for (int32_t j : all.near[i])
             if (j > i) plan(i, j, 0);

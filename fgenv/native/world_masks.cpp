@@ -73,7 +73,7 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> plac
     if (masks_ == Masks::published) {
         std::vector<BodyId> found;
         for (BodyId id = 0; id < end_id(); ++id)
-            if (const Body* other = find(id); other && !ignores(b, *other) && inside(p.legs[0], origin(other->pose)))
+            if (const Body* other = find(id); other && other->present && !ignores(b, *other) && inside(p.legs[0], origin(other->pose)))
                 found.push_back(id);
         set_candidates(robot, std::move(found));
         return p.candidates;
@@ -123,7 +123,7 @@ void World::clear_path(BodyId robot) {
 
 // Whether a body, where it is or may come, meets the path's motion boxes.
 bool World::meets(const Path& p, BodyId robot, const Body& other) const {
-    if (other.root == robot) return false;
+    if (other.root == robot || !other.present) return false;
     bool tested = false;  // by some part of the robot
     for (BodyId part : body(robot).parts) tested |= !ignores(body(part), other);
     if (!tested) return false;
@@ -140,6 +140,7 @@ bool World::meets(const Path& p, BodyId robot, const Body& other) const {
 // Movers whose motion box a body meets.
 void World::find_movers(BodyId id, std::vector<BodyId>& out) const {
     const Body& b = body(id);
+    if (!b.present) return;
     std::vector<int32_t> items;
     legs_.overlapping(b.extent, items);
     if (const Path* own = path(b.root))
@@ -176,7 +177,7 @@ void World::candidates(const Body& robot, const Box& box, std::vector<BodyId>& o
     const Path* p = path(robot.root);
     if (masks_ == Masks::off) {
         for (BodyId id = 0; id < end_id(); ++id)
-            if (find(id)) out.push_back(id);
+            if (const Body* other = find(id); other && other->present) out.push_back(id);
     } else if (p && (masks_ == Masks::published ||
                      std::any_of(p->legs.begin(), p->legs.end(), [&](const Box& leg) { return holds(leg, box); }))) {
         out = p->candidates;

@@ -1,0 +1,93 @@
+"""What a robot observes: parts that are on or off, each a slice of its row of numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from fgenv.robots import Robot
+
+ABOUT = {
+    "goal": (
+        "m, 1",
+        "own base",
+        "where the goal is: x, y (m) and cosine, sine of the turn of a planar base; x, y, z (m) and"
+        " quaternion x, y, z, w of a free one; then the change of each joint (rad, m)",
+    ),
+    "velocity": ("m/s, rad/s", "own base", "what the drive does: see Robot.actions"),
+    "configuration": ("m, rad", "world", "own configuration"),
+    "path_hint": (
+        "m",
+        "own base",
+        "the point of the path that is `look_ahead` ahead: x, y (, z); of a fixed base, the change"
+        " of each joint to there (rad, m)",
+    ),
+    "neighbours": (
+        "m, 1, m/s",
+        "own base",
+        "the nearest robots, zeros where there are no more: planar x, y, cosine, sine, relative"
+        " velocity x, y, radius; else x, y, z, quaternion x, y, z, w, velocity x, y, z, radius",
+    ),
+    "lidar": ("m", "own base", "to the first surface on each ray, at most the lidar's range"),
+}
+
+
+class Part(NamedTuple):
+    """A slice of a row of observations."""
+
+    name: str
+    slice: slice
+    unit: str
+    frame: str
+    about: str
+
+
+@dataclass(frozen=True)
+class Observation:
+    """Which parts a robot observes, in this order; `Simulator.layout` tells their slices.
+
+    Attributes:
+        goal, velocity, configuration, path_hint, lidar: on or off. The lidar is that of the
+            scenario's model; a model without one has no such part.
+        neighbours: how many of the nearest robots.
+        look_ahead: of the path hint, metres (of a fixed base: radians of all joints together).
+        rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
+        lidar_range: metres, of those rays.
+    """
+
+    goal: bool = True
+    velocity: bool = True
+    configuration: bool = False
+    path_hint: bool = False
+    lidar: bool = True
+    neighbours: int = 4
+    look_ahead: float = 1.0
+    rays: int | None = None
+    lidar_range: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in ("goal", "velocity", "configuration", "path_hint", "lidar"):
+            if not isinstance(getattr(self, name), bool):
+                raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
+        whole = isinstance(self.neighbours, int) and not isinstance(self.neighbours, bool)
+        if not whole or not 0 <= self.neighbours <= 1000:
+            raise ValueError(f"observation: neighbours: {self.neighbours!r}, wanted 0 to 1000")
+        if self.rays is not None and not (isinstance(self.rays, int) and 1 <= self.rays <= 100_000):
+            raise ValueError(f"observation: rays: {self.rays!r}, wanted 1 to 100000, or None")
+        for name in ("look_ahead", "lidar_range"):
+            if not 0 < getattr(self, name) < math.inf:
+                raise ValueError(f"observation: {name}: {getattr(self, name)!r}, wanted over 0")
+
+
+def parts_of(slices: list[tuple[str, int, int]], robot: Robot) -> tuple[Part, ...]:
+    """The parts of a robot's row, as the native core lays them out."""
+    found = []
+    for name, begin, size in slices:
+        unit, frame, about = ABOUT[name]
+        if name == "velocity":
+            about = ", ".join(f"{action.name} ({action.unit})" for action in robot.actions)
+        if name == "configuration":
+            about = ", ".join(robot.coordinates)
+        found.append(Part(name, slice(begin, begin + size), unit, frame, about))
+    return tuple(found)

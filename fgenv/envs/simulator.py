@@ -1,0 +1,522 @@
+"""The batched simulator: many worlds of one scenario, stepped at once in native code.
+
+In a step every robot drives, all motions are proved free or brought to their first contact in the
+order of time (`World.advance`), then goals, rewards and sensors follow. All faces (PettingZoo,
+Gymnasium, Stable-Baselines3) are views of this class.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fgenv import _core
+from fgenv.collision import World
+from fgenv.robots import Action, Robot
+from fgenv.scenarios import Built, FrozenSet, Scenario
+
+from . import assembly
+from .cases import Cases, scenario_of
+from .observations import Observation, Part, parts_of
+from .rewards import Reward
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.float32]
+Flags = NDArray[np.bool_]
+Source = str | Path | Scenario | FrozenSet
+
+MOVING, PARKED, GONE = 0, 1, 2  # of `status`
+MOST_WORLDS = 1_000_000
+
+
+class Step(NamedTuple):
+    """What a step gives."""
+
+    observations: Rows  # (worlds, robots, size)
+    rewards: Floats  # (worlds, robots)
+    terminated: Flags  # (worlds,): all have arrived, or one that had to stop it met something
+    truncated: Flags  # (worlds,): the horizon is reached
+
+
+class Collision(NamedTuple):
+    """A robot that met something in a step; one that was met at rest has none of its own."""
+
+    robot: str
+    other: str  # name of the robot or body
+    with_robot: bool
+    time: float  # seconds in the step
+    point: Floats  # (3,), world, metres
+
+
+class Simulator:
+    """Worlds of one scenario, stepped at once.
+
+    Arrays are over (worlds, robots, ...); where robots differ, rows are as wide as the widest and
+    end in zeros.
+
+    An action is in [-1, 1] (beyond is clipped): of the drive, the middle and half width of its
+    limits; with `actions="way_points"`, a way point: x, y (z) and yaw of the base in its own frame,
+    as far as full speed gets in `way_point_seconds` and half a turn, then the joints. A way point
+    sets the path's mask, and the drive goes there for one step.
+
+    Random numbers depend on a world's seed and the number of its episode alone. Results are the
+    same bits for any number of threads and any instruction set.
+
+    Args:
+        scenario: a name, a file, a Scenario, or a FrozenSet, each episode being one of its cases.
+        worlds: how many.
+        observation, reward: see there.
+        actions: `drive` or `way_points`.
+        starts: `scenario`, or `random`: for each episode starts and goals uniform in the workspace
+            (a free base level), where nobody meets anybody; the scenario's own where no room is
+            found.
+        cases: of a built-in scenario: that many, each with a seed of its own, as `frozen` has them.
+        clearance: measure each robot's distance to whatever is nearest after each step.
+        autoreset: a world that ends begins anew in the same step; what its robots observed at the
+            end is in `final_observations`. Else stepping after the end is an error.
+        threads: None: FGENV_THREADS, else all cores.
+        overrides: for `Scenario.load`.
+
+    Raises:
+        ScenarioError, ValueError, TypeError: saying what does not fit, and the remedy.
+    """
+
+    def __init__(
+        self,
+        scenario: Source,
+        worlds: int = 1,
+        *,
+        observation: Observation | None = None,
+        reward: Reward | None = None,
+        actions: str = "drive",
+        way_point_seconds: float = 1.0,
+        starts: str = "scenario",
+        cases: int | None = None,
+        clearance: bool = False,
+        autoreset: bool = True,
+        threads: int | None = None,
+        **overrides: Any,
+    ) -> None:
+        chosen(actions, "actions", ("drive", "way_points"))
+        chosen(starts, "starts", ("scenario", "random"))
+        if (
+            isinstance(worlds, bool)
+            or not isinstance(worlds, int)
+            or not 1 <= worlds <= MOST_WORLDS
+        ):
+            raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
+        if not 0 < way_point_seconds <= 1e3:
+            raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
+        self.scenario, several = scenario_of(scenario, cases, overrides)
+        if not self.scenario.robots:
+            raise ValueError(f"scenario: {self.scenario.name!r} has no robots, wanted one at least")
+        self.observation, self.reward = observation or Observation(), reward or Reward()
+        self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
+        self.clearance, self.autoreset, self.threads = clearance, autoreset, threads
+        self.n_worlds = worlds
+        self.built: Built = self.scenario.build()
+        self.cases = Cases.of(self.built, several)
+        if starts == "random":
+            bounded(self.robots)
+        self._begin()
+
+    def _begin(self) -> None:
+        """The native simulator, not yet reset."""
+        self._like = self.built.world()
+        self._core = _core.Simulator(
+            self._like._core,
+            assembly.agents(self._like, self.built, self.cases, self.observation),
+            self._settings,
+            self.n_worlds,
+            *assembly.standing(self._like, self.built, self.cases),
+        )
+        self.final_observations: Rows | None = None
+        self._begun = False
+        self._over = np.zeros(self.n_worlds, dtype=bool)
+
+    @property
+    def _settings(self) -> dict[str, Any]:
+        scenario, seen = self.scenario, self.observation
+        weights = dict.fromkeys(("progress", "arrival", "collision", "time", "effort"), 0.0)
+        return {
+            "dt": scenario.time_step,
+            "horizon": self.horizon,
+            "response": scenario.on_collision,
+            "vanish": scenario.at_goal == "vanish",
+            "way_points": self.actions == "way_points",
+            "way_point_seconds": float(self.way_point_seconds),
+            "random": self.starts == "random",
+            "clearance": bool(self.clearance),
+            "near": float(self.reward.near),
+            "goal": seen.goal,
+            "velocity": seen.velocity,
+            "configuration": seen.configuration,
+            "path_hint": seen.path_hint,
+            "lidar": seen.lidar,
+            "neighbours": min(seen.neighbours, self.n_robots - 1),
+            "look_ahead": float(seen.look_ahead),
+            **weights,
+            "closeness": 0.0,
+            **{name: float(weight) for name, weight in self.reward.weights.items()},
+        }
+
+    # What it is
+
+    @property
+    def robots(self) -> tuple[Robot, ...]:
+        """With drive, limits and shapes."""
+        return self.built.robots
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the robots."""
+        return tuple(robot.name for robot in self.robots)
+
+    @property
+    def n_robots(self) -> int:
+        """In each world."""
+        return len(self.built.robots)
+
+    @property
+    def dt(self) -> float:
+        """Seconds of a step."""
+        return self.scenario.time_step
+
+    @property
+    def horizon(self) -> int:
+        """Steps of an episode at most."""
+        return max(1, round(self.scenario.horizon / self.scenario.time_step))
+
+    @cached_property
+    def action_sizes(self) -> tuple[int, ...]:
+        """Numbers of each robot's action."""
+        return tuple(self._core.action_sizes())
+
+    @property
+    def action_size(self) -> int:
+        """The greatest of `action_sizes`."""
+        return max(self.action_sizes)
+
+    @cached_property
+    def layouts(self) -> tuple[tuple[Part, ...], ...]:
+        """The parts of each robot's row of observations: name, slice, unit, frame, about."""
+        slices = [self._core.slices(i) for i in range(self.n_robots)]
+        return tuple(parts_of(s, robot) for s, robot in zip(slices, self.robots, strict=True))
+
+    @cached_property
+    def observation_sizes(self) -> tuple[int, ...]:
+        """Numbers of each robot's observation."""
+        return tuple(max((p.slice.stop for p in parts), default=0) for parts in self.layouts)
+
+    @property
+    def observation_size(self) -> int:
+        """The greatest of `observation_sizes`."""
+        return max(self.observation_sizes)
+
+    def action_names(self, robot: int) -> tuple[Action, ...]:
+        """What the numbers of a robot's drive are, with units and limits."""
+        return self.robots[robot].actions
+
+    # Stepping
+
+    def reset(
+        self,
+        seed: int | Sequence[int] | None = None,
+        worlds: ArrayLike | None = None,
+    ) -> Rows:
+        """Begin episodes; returns observations, (worlds, robots, size).
+
+        Args:
+            seed: world k of those reset gets seed + k, or seed[k], and its first episode begins;
+                None: the next episode of the seeds there are (at first, those of seed 0).
+            worlds: numbers of worlds, or a mask (worlds,); all if left out. Observations are of
+                these alone.
+        """
+        which = self._worlds(worlds)
+        seeds = None if seed is None else seeds_of(seed, len(which))
+        if not self._begun and len(which) < self.n_worlds:
+            self._core.reset(None, None, self.threads)
+        self._core.reset(which, seeds, self.threads)
+        self._begun = True
+        self._over[which] = False
+        return self._core.observe(which, self.threads)
+
+    def step(self, actions: ArrayLike) -> Step:
+        """Step all worlds with actions (worlds, robots, size).
+
+        Raises:
+            ValueError: wrong shape, or a number that is not finite, by its place.
+            RuntimeError: before the first reset, or after the end without autoreset. Nothing
+                has changed then.
+        """
+        if not self._begun:
+            raise RuntimeError("step: before the first reset, call reset()")
+        if not self.autoreset and self._over.any():
+            over = int(self._over.argmax())
+            raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
+        rows, rewards, there, terminated, truncated = self._core.step(actions, self.threads)
+        if self.reward.own:
+            own = self.reward.of_own_terms(self)
+            arrived_before = there & (self.arrival_steps < self.steps[:, None])
+            rewards = rewards + np.where(arrived_before, 0.0, own)
+        self._over = terminated | truncated
+        self.final_observations = None
+        if self.autoreset and self._over.any():
+            self.final_observations = rows.copy()
+            ended = np.flatnonzero(self._over)
+            rows[ended] = self.reset(worlds=ended)
+        return Step(rows, rewards, terminated, truncated)
+
+    def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
+        """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
+        self._core.place(world, robot, start, goal)
+
+    def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
+        """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
+        self._core.set_path(world, robot, path)
+
+    def observe(self) -> Rows:
+        """Observations as they are, (worlds, robots, size)."""
+        return self._core.observe(None, self.threads)
+
+    def toward(self, targets: ArrayLike) -> Floats:
+        """Actions of the drives that lead to configurations (worlds, robots, nq), straight.
+
+        They slow down in time, turn or steer as the drive has to, and look at no obstacle.
+        """
+        return self._core.toward(targets)
+
+    def sample(self, rng: np.random.Generator | None = None) -> Floats:
+        """Random actions, uniform in [-1, 1], (worlds, robots, size)."""
+        shape = (self.n_worlds, self.n_robots, self.action_size)
+        return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
+
+    def _worlds(self, worlds: ArrayLike | None) -> NDArray[np.int64]:
+        if worlds is None:
+            return np.arange(self.n_worlds)
+        which = np.asarray(worlds)
+        if which.dtype == bool:
+            if which.shape != (self.n_worlds,):
+                raise ValueError(f"worlds: a mask of shape {which.shape}, wanted {self.n_worlds},")
+            return np.flatnonzero(which)
+        return np.atleast_1d(which)
+
+    # State, (worlds, robots, ...) or (worlds,)
+
+    @property
+    def configurations(self) -> Floats:
+        """(worlds, robots, nq)."""
+        return self._core.configurations()
+
+    @property
+    def goals(self) -> Floats:
+        """(worlds, robots, nq)."""
+        return self._core.goals()
+
+    @property
+    def velocities(self) -> Floats:
+        """What the drives do, in their units, (worlds, robots, numbers)."""
+        return self._core.velocities()
+
+    @property
+    def status(self) -> NDArray[np.uint8]:
+        """MOVING, PARKED or GONE."""
+        return self._core.status()
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Of the episode, (worlds,)."""
+        return self._core.steps()
+
+    @property
+    def episodes(self) -> NDArray[np.int64]:
+        """Number of the episode since the seed was given, (worlds,)."""
+        return self._core.numbers()
+
+    @property
+    def seeds(self) -> NDArray[np.int64]:
+        """(worlds,)."""
+        return self._core.seeds()
+
+    @property
+    def remaining(self) -> Floats:
+        """To the goal: metres, of a fixed base radians of all joints together."""
+        return self._core.remaining()
+
+    # Of the last step
+
+    @property
+    def hits(self) -> NDArray[np.int32]:
+        """Id of the body that each robot met, -1: none; see `collisions`."""
+        return self._core.hits()
+
+    @property
+    def hit_robots(self) -> NDArray[np.int32]:
+        """Place of the robot that each robot met, -1: none."""
+        return self._core.hit_robots()
+
+    @property
+    def hit_times(self) -> Floats:
+        """Seconds in the step."""
+        return self._core.hit_times()
+
+    @property
+    def hit_points(self) -> Floats:
+        """(worlds, robots, 3), world, metres; 0 where there is none."""
+        return self._core.hit_points()
+
+    @property
+    def checks(self) -> NDArray[np.int64]:
+        """Pairs of bodies looked at."""
+        return self._core.checks()
+
+    @property
+    def masked(self) -> NDArray[np.int32]:
+        """Bodies that the motion's mask left."""
+        return self._core.masked()
+
+    @property
+    def clearances(self) -> Floats:
+        """Metres to what is nearest; infinite where not measured."""
+        return self._core.clearances()
+
+    def collisions(self, world: int = 0) -> list[Collision]:
+        """Who met whom in the last step of a world."""
+        hits, robots = self.hits[world], self.hit_robots[world]
+        times, points = self.hit_times[world], self.hit_points[world]
+        return [
+            Collision(
+                self.names[i],
+                self.names[robots[i]] if robots[i] >= 0 else self._body_names[int(hits[i])],
+                bool(robots[i] >= 0),
+                float(times[i]),
+                points[i],
+            )
+            for i in np.flatnonzero(hits >= 0).tolist()
+        ]
+
+    # Of the episode
+
+    @property
+    def collision_counts(self) -> NDArray[np.int64]:
+        """Steps in which each robot met something."""
+        return self._core.collisions()
+
+    @property
+    def arrival_steps(self) -> NDArray[np.int64]:
+        """The step in which each robot arrived, -1: not yet."""
+        return self._core.arrivals()
+
+    @property
+    def travelled(self) -> Floats:
+        """Metres that each base went; of a fixed base, radians of all joints together."""
+        return self._core.travelled()
+
+    @property
+    def least_clearances(self) -> Floats:
+        """The least of `clearances`."""
+        return self._core.least_clearances()
+
+    def world(self, world: int = 0) -> World:
+        """A `World` with everything where it is now; it goes its own way from there."""
+        made = self._like.copy()
+        ids = dict(zip(made.names, made.ids.tolist(), strict=True))
+        case = int(self._core.cases()[world])
+        for k, place in enumerate(self.cases.stands):
+            assert self.cases.poses is not None
+            made.set_pose(ids[self.built.names[place]], self.cases.poses[case, k])
+        q, status = self.configurations[world], self.status[world]
+        for i, robot in enumerate(self.robots):
+            if status[i] == GONE:
+                made.remove(robot.name)
+            else:
+                made.set_configuration(robot.name, q[i, : robot.nq])
+        return made
+
+    @cached_property
+    def _body_names(self) -> dict[int, str]:
+        return dict(zip(self._like.ids.tolist(), self._like.names, strict=True))
+
+    # Copies
+
+    def state(self) -> bytes:
+        """All that the further course depends on, for `set_state` of an equal simulator."""
+        return self._core.state()
+
+    def set_state(self, state: bytes) -> None:
+        """Go on from a state, bit for bit.
+
+        Raises:
+            ValueError: it is of another simulator; this one is then to be reset.
+        """
+        self._begun = False
+        self._core.set_state(state)
+        self._begun = True
+        self._over[:] = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        left_out = {"_core", "_like", *CACHED}
+        kept = {name: value for name, value in self.__dict__.items() if name not in left_out}
+        return {**kept, "state": self.state() if self._begun else None}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        state = kept.pop("state")
+        self.__dict__.update(kept)
+        over, final = self._over, self.final_observations
+        self._begin()
+        if state is not None:
+            self.set_state(state)
+        self._over, self.final_observations = over, final
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulator:
+        other = object.__new__(type(self))
+        kept = self.__getstate__()  # what never changes is shared
+        kept["_over"] = kept["_over"].copy()
+        kept["reward"] = copy.deepcopy(kept["reward"], memo)
+        other.__setstate__(kept)
+        return other
+
+    def __copy__(self) -> Simulator:
+        return copy.deepcopy(self)
+
+    def __repr__(self) -> str:
+        return f"Simulator({self.scenario.name!r}: {self.n_worlds} worlds, {self.n_robots} robots)"
+
+
+CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "_body_names")
+
+
+def chosen(value: str, name: str, known: tuple[str, ...]) -> None:
+    """ValueError where a word is none of those known."""
+    if value not in known:
+        raise ValueError(f"{name}: {value!r}, wanted {' or '.join(known)}")
+
+
+def seeds_of(seed: int | Sequence[int], n: int) -> NDArray[np.int64]:
+    """One seed a world."""
+    if isinstance(seed, (int, np.integer)):
+        if not 0 <= seed < 2**63 - n:
+            raise ValueError(f"seed: {seed}, wanted 0 to 2^63 - 1")
+        return np.arange(n, dtype=np.int64) + np.int64(seed)
+    seeds = np.asarray(seed)
+    if seeds.shape != (n,) or seeds.dtype.kind not in "iu" or (seeds < 0).any():
+        raise ValueError(f"seed: {seed!r}, wanted a number, or {n}, 0 or more")
+    return seeds.astype(np.int64)
+
+
+def bounded(robots: Sequence[Robot]) -> None:
+    """ValueError where a robot has no limits to draw a configuration from."""
+    for robot in robots:
+        open_ = ~(np.isfinite(robot.lower) & np.isfinite(robot.upper))
+        if open_.any():
+            name = robot.coordinates[int(open_.argmax())]
+            raise ValueError(
+                f"starts: {name!r} of {robot.name!r} has no limits to draw from, give the scenario"
+                " a workspace"
+            )
