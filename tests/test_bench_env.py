@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from importlib.metadata import PackageNotFoundError
 from typing import Any
 
@@ -15,7 +16,7 @@ from fgenv.bench.env import peers as known
 from fgenv.bench.env.batch import Batch, Peer, race
 from fgenv.bench.env.peers import PEERS
 from fgenv.bench.env.report import NOTES, table_of
-from fgenv.bench.env.run import CARTS, bench_env, view_cost
+from fgenv.bench.env.run import CARTS, bench_env, rates, view_cost
 from fgenv.bench.pairs import summary
 from fgenv.cli import app, errors
 from fgenv.scenarios import Scenario
@@ -43,7 +44,7 @@ class Clock:
 
 
 class FakeSimulator:
-    """The face of the simulator; a step takes 1 µs a robot, and 10 ns more for each other one."""
+    """The face of the simulator; a step takes 1 ms a robot, and 10 µs more for each other one."""
 
     action_size = 2
 
@@ -59,7 +60,7 @@ class FakeSimulator:
         assert actions.shape == (self.n_worlds, self.n_robots, self.action_size)
         assert actions.dtype == np.float64
         assert np.abs(actions).max() <= 1.0
-        cost = 1e-6 + 1e-8 * (self.n_robots - 1)
+        cost = 1e-3 + 1e-5 * (self.n_robots - 1)
         self.clock.now += cost * self.n_robots * self.n_worlds
 
 
@@ -75,15 +76,15 @@ def test_a_race_tells_seconds_a_robot_step_and_takes_turns() -> None:
     clock, logs = Clock(), {"a": list[int](), "b": list[int]()}
     a, b = clock.batch(2, 3, 1e-3, logs["a"]), clock.batch(5, 1, 4e-3, logs["b"])
     times = race({"a": a, "b": b}, 3, 0.6, clock=clock)
-    assert [times["a"][k] for k in ("least", "median", "most")] == pytest.approx([1e-3] * 3)
-    assert times["b"]["median"] == pytest.approx(4e-3)
+    assert times["a"] == pytest.approx([1e-3] * 3)
+    assert times["b"] == pytest.approx([4e-3] * 3)
     assert logs["a"][-100:] == list(range(100))  # 0.6 s at 6 ms
     assert logs["b"][-30:] == list(range(30))
 
 
 def test_a_step_longer_than_a_round_is_done_once() -> None:
     clock, log = Clock(), list[int]()
-    assert race({"a": clock.batch(1, 1, 5.0, log)}, 2, 0.1, clock=clock)["a"]["median"] == 5.0
+    assert race({"a": clock.batch(1, 1, 5.0, log)}, 2, 0.1, clock=clock)["a"].tolist() == [5.0] * 2
     assert log == [0] * 4  # warm-up, trial, two rounds
 
 
@@ -96,12 +97,20 @@ def test_a_restart_is_not_timed() -> None:
 
     made = clock.batch(1, 1, 1e-2, [])
     times = race({"a": Batch(1, 1, made.step, restart)}, 4, 0.1, clock=clock)
-    assert times["a"]["most"] == pytest.approx(1e-2)
+    assert times["a"] == pytest.approx([1e-2] * 4)
     assert len(begun) >= 4
 
 
+def test_a_load_that_comes_and_goes_leaves_the_ratio() -> None:
+    load = np.array([1.0, 2.0, 2.0, 1.0, 2.0])
+    row = rates(4, 1, {"fgenv": 1e-6 * load, "VMAS": 8e-6 * load})
+    assert row["ratio"] == pytest.approx({"VMAS": 8.0})
+    found = row["peers"]["fgenv"]
+    assert [found[k] for k in ("least", "rate", "most")] == pytest.approx([5e5, 5e5, 1e6])
+
+
 def test_rows_ratios_and_tables(clock: Clock) -> None:
-    racing = [PEERS[0], clock.peer("VMAS", 8e-6), clock.peer("MPE2", 50e-6, batched=False)]
+    racing = [PEERS[0], clock.peer("VMAS", 8e-3), clock.peer("MPE2", 50e-3, batched=False)]
     done: dict[str, list[dict[str, Any]]] = {}
     for kind, record in bench_env(racing, quick=False, clock=clock):
         done.setdefault(kind, []).append(record)
@@ -112,12 +121,12 @@ def test_rows_ratios_and_tables(clock: Clock) -> None:
     ]
     for row in rows:
         others = ["VMAS", "MPE2"] if row["worlds"] == 1 else ["VMAS"]
-        own = 1e-6 + 1e-8 * (row["robots"] - 1)
+        own = 1e-3 + 1e-5 * (row["robots"] - 1)
         assert list(row["peers"]) == ["fgenv", *others]
         assert row["peers"]["fgenv"]["rate"] == pytest.approx(1 / own)
-        assert row["peers"]["VMAS"]["rate"] == pytest.approx(1 / 8e-6)
+        assert row["peers"]["VMAS"]["rate"] == pytest.approx(1 / 8e-3)
         assert row["ratio"] == pytest.approx(
-            dict(zip(others, (8e-6 / own, 50e-6 / own), strict=False))
+            dict(zip(others, (8e-3 / own, 50e-3 / own), strict=False))
         )
     assert [r["robots"] for r in done["warehouse"]] == [CARTS] * 2
     (grown,) = done["growth"]
@@ -132,7 +141,7 @@ def test_rows_ratios_and_tables(clock: Clock) -> None:
 
 def test_without_fgenv_the_others_are_timed_alone() -> None:
     clock = Clock()
-    done = list(bench_env([clock.peer("VMAS", 8e-6)], quick=True, clock=clock))
+    done = list(bench_env([clock.peer("VMAS", 8e-3)], quick=True, clock=clock))
     assert [kind for kind, _ in done] == ["rates"] * 4
     assert done[0][1]["ratio"] == {}
     assert table_of("rates", [record for _, record in done]).row_count == 4
@@ -166,7 +175,8 @@ def test_each_library_runs_a_round(name: str, worlds: int) -> None:
     batch = peer.make(4, worlds, 0)
     assert batch.size == 4 * worlds
     times = race({name: batch}, 2, 0.01)
-    assert 0 < times[name]["least"] <= times[name]["median"] <= times[name]["most"]
+    assert times[name].shape == (2,)
+    assert (times[name] > 0).all()
 
 
 def first_seen(out: Any) -> np.ndarray:
@@ -183,6 +193,7 @@ def test_vmas_senses_and_collides_and_the_same_actions_do_the_same() -> None:
         outs.append([first_seen(batch.step(k)) for k in range(5)])
     assert outs[0][0].shape == (3, 2 + 2 + 2 + ours.RAYS)
     assert np.array_equal(outs[0], outs[1])
+    assert "pyglet.window" not in sys.modules  # needs a display
 
 
 def test_mpe2_steps_one_world() -> None:
@@ -198,7 +209,7 @@ def test_what_is_not_installed_is_told_with_the_remedy(name: str) -> None:
 
 
 def test_the_command_gives_one_document(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = [PEERS[0], clock.peer("VMAS", 8e-6)]
+    made = [PEERS[0], clock.peer("VMAS", 8e-3)]
     monkeypatch.setattr(known, "peers", lambda: made)
     monkeypatch.setattr(known, "versions", lambda: {"fgenv": "1", "vmas": "2"})
     monkeypatch.setattr(bench_env, "__kwdefaults__", {**bench_env.__kwdefaults__, "clock": clock})

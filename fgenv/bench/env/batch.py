@@ -9,11 +9,13 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fgenv.bench.timing import Clock
 
 Record = dict[str, Any]  # what goes to JSON
 Step = Callable[[int], object]
+Rounds = NDArray[np.float64]
 ACTIONS = 64  # sets of actions drawn beforehand, used in turn
 
 
@@ -60,15 +62,16 @@ class Peer:
 
 def race(
     batches: Mapping[str, Batch],
-    rounds: int = 7,
-    seconds: float = 1.0,
+    rounds: int = 9,
+    seconds: float = 0.8,
     *,
     clock: Clock = process_time,
-) -> dict[str, Record]:
-    """Seconds a robot-step of each batch: `median`, `least` and `most` over the rounds.
+) -> dict[str, Rounds]:
+    """Seconds a robot-step of each batch in each round, (rounds,).
 
     A round is as many steps as take about `seconds`, at least one; batches take turns, and who
-    begins changes from round to round.
+    begins changes from round to round. Compare what belongs to one round: neighbours were timed
+    under the same load of the machine, which may double what a step takes.
     """
     steps = {name: _affordable(batch, seconds, clock) for name, batch in batches.items()}
     taken: dict[str, list[float]] = {name: [] for name in batches}
@@ -77,10 +80,7 @@ def race(
         first = turn % len(names)
         for name in names[first:] + names[:first]:
             taken[name].append(_round(batches[name], steps[name], clock))
-    return {
-        name: {"median": float(np.median(t)), "least": min(t), "most": max(t)}
-        for name, t in taken.items()
-    }
+    return {name: np.array(times) for name, times in taken.items()}
 
 
 def _affordable(batch: Batch, seconds: float, clock: Clock) -> int:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from time import process_time
 
+import numpy as np
+
 from fgenv.bench.env import ours
-from fgenv.bench.env.batch import Batch, Peer, Record, race
+from fgenv.bench.env.batch import Batch, Peer, Record, Rounds, race
 from fgenv.bench.timing import Clock
 
 ROBOTS, WORLDS = (4, 10), (1, 32, 1024)
@@ -28,7 +30,7 @@ def bench_env(
     """
     rounds, seconds = (3, 0.15) if quick else (9, 0.8)
 
-    def timed(batches: Mapping[str, Batch]) -> dict[str, Record]:
+    def timed(batches: Mapping[str, Batch]) -> dict[str, Rounds]:
         return race(batches, rounds, seconds, clock=clock)
 
     for worlds in WORLDS[: 2 if quick else None]:
@@ -47,36 +49,38 @@ def bench_env(
         yield "views", view_cost(name, view, timed({"view": view, "simulator": below}))
 
 
-def rates(robots: int, worlds: int, times: Mapping[str, Record]) -> Record:
-    """One row: the rate of each library with its least and most, and fgenv's over the others'."""
+def rates(robots: int, worlds: int, times: Mapping[str, Rounds]) -> Record:
+    """One row: the rate of each library, median, least and most over the rounds; `ratio`: how
+    many times as fast fgenv is, the median over what each round says."""
     found = {
-        name: {
-            "rate": 1.0 / t["median"],
-            "least": 1.0 / t["most"],
-            "most": 1.0 / t["least"],
-        }
+        name: {"rate": 1.0 / float(np.median(t)), "least": 1.0 / t.max(), "most": 1.0 / t.min()}
         for name, t in times.items()
     }
-    others = [name for name in found if name != "fgenv" and "fgenv" in found]
-    ratio = {name: found["fgenv"]["rate"] / found[name]["rate"] for name in others}
+    own = times.get("fgenv")
+    ratio = {
+        name: float(np.median(t / own))
+        for name, t in times.items()
+        if own is not None and name != "fgenv"
+    }
     return {"robots": robots, "worlds": worlds, "peers": found, "ratio": ratio}
 
 
-def growth(times: Mapping[str, Record]) -> Record:
+def growth(times: Mapping[str, Rounds]) -> Record:
     """Seconds a robot-step over the number of robots, and the last over the first."""
-    rows = [{"robots": int(n), "seconds": t["median"]} for n, t in times.items()]
-    return {"rows": rows, "times": rows[-1]["seconds"] / rows[0]["seconds"]}
+    rows = [{"robots": int(n), "seconds": float(np.median(t))} for n, t in times.items()]
+    few, *_, many = times.values()
+    return {"rows": rows, "times": float(np.median(many / few))}
 
 
-def view_cost(name: str, view: Batch, times: Mapping[str, Record]) -> Record:
+def view_cost(name: str, view: Batch, times: Mapping[str, Rounds]) -> Record:
     """Seconds a step of a view and of the simulator below it, and `rate`, the view's as a share."""
-    above, below = times["view"]["median"], times["simulator"]["median"]
+    above, below = times["view"], times["simulator"]
     return {
         "name": name,
         "robots": view.robots,
         "worlds": view.worlds,
-        "view": above * view.size,
-        "simulator": below * view.size,
-        "overhead": (above - below) * view.size,
-        "rate": below / above,
+        "view": float(np.median(above)) * view.size,
+        "simulator": float(np.median(below)) * view.size,
+        "overhead": float(np.median(above - below)) * view.size,
+        "rate": float(np.median(below / above)),
     }
