@@ -12,7 +12,7 @@ from fgenv import __version__, cli
 from fgenv.cli import errors
 
 SCRIPT = Path(sys.executable).with_name("fgenv")
-COMMANDS = ("run", "scenarios", "compare", "bench", "bench pairs", "bench world")
+COMMANDS = ("run", "scenarios", "compare", "bench", "bench pairs", "bench world", "bench env")
 
 
 def fgenv(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -24,6 +24,7 @@ EPILOG = """
   fgenv compare                           each method: how right, how fast
   fgenv bench pairs                       race the other collision libraries
   fgenv bench world                       the same with many bodies that move
+  fgenv bench env                         steps of many robots, against other simulators
   fgenv --install-completion              tab completion for your shell
 
 [bold]Exit codes[/bold]

@@ -8,17 +8,18 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli import bench_world
+from fgenv.cli import bench_env, bench_world
 from fgenv.cli.options import Json, Seed
 
 app = typer.Typer(
     name="bench",
-    help="Race fgenv against other collision libraries. Each race has options of its own, "
-    "--seed and --json among them: fgenv bench pairs --help, fgenv bench world --help.",
+    help="Race fgenv against other libraries. Each race has options of its own, --seed and "
+    "--json among them: fgenv bench pairs --help, fgenv bench env --help.",
     rich_markup_mode="rich",
     no_args_is_help=True,
 )
 app.command()(bench_world.world)
+app.command()(bench_env.env)
 
 
 @app.command("pairs")

@@ -18,6 +18,7 @@ EXTRA_OF = {
     "gymnasium_robotics": "bench",
     "hppfcl": "bench",
     "matplotlib": "view",
+    "mpe2": "bench",
     "mujoco": "bench",
     "pybullet": "bench",
     "pybullet_data": "bench",
@@ -26,6 +27,7 @@ EXTRA_OF = {
     "scipy": "bench",
     "stable_baselines3": "agents",
     "torch": "agents",
+    "vmas": "bench",
 }
 
 

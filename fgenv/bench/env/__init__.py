@@ -1,0 +1,1 @@
+"""``fgenv bench env``: steps of many robots in many worlds; fgenv against others."""

@@ -1,0 +1,86 @@
+"""The parts of ``fgenv bench env`` in order, each yielded as it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from time import process_time
+
+import numpy as np
+
+from fgenv.bench.env import ours
+from fgenv.bench.env.batch import Batch, Peer, Record, Rounds, race
+from fgenv.bench.timing import Clock
+
+ROBOTS, WORLDS = (4, 10), (1, 32, 1024)
+GROWTH, GROWTH_WORLDS = (8, 16, 32, 64), 4  # robots; worlds of each
+CARTS, CARTS_WORLDS = 64, (1, 32)
+
+
+def bench_env(
+    peers: Sequence[Peer],
+    *,
+    seed: int = 0,
+    quick: bool = False,
+    clock: Clock = process_time,
+) -> Iterator[tuple[str, Record]]:
+    """Yield (kind, record): `rates` for each number of robots and worlds; then, of fgenv alone,
+    `warehouse` for each number of worlds, `growth` and `views`.
+
+    Rates are robot-steps in a CPU second of the process. `quick`: short rounds, 32 worlds at most.
+    """
+    rounds, seconds = (3, 0.15) if quick else (9, 0.8)
+
+    def timed(batches: Mapping[str, Batch]) -> dict[str, Rounds]:
+        return race(batches, rounds, seconds, clock=clock)
+
+    for worlds in WORLDS[: 2 if quick else None]:
+        for robots in ROBOTS:
+            racing = [peer for peer in peers if peer.batched or worlds == 1]
+            batches = {peer.name: peer.make(robots, worlds, seed) for peer in racing}
+            yield "rates", rates(robots, worlds, timed(batches))
+    if "fgenv" not in {peer.name for peer in peers}:
+        return
+    for worlds in CARTS_WORLDS:
+        batches = {"fgenv": ours.warehouse_batch(CARTS, worlds, seed)}
+        yield "warehouse", rates(CARTS, worlds, timed(batches))
+    crowds = {str(n): ours.random_batch(n, GROWTH_WORLDS, seed) for n in GROWTH}
+    yield "growth", growth(timed(crowds))
+    for name, (view, below) in ours.views(ROBOTS[-1], 1, seed).items():
+        yield "views", view_cost(name, view, timed({"view": view, "simulator": below}))
+
+
+def rates(robots: int, worlds: int, times: Mapping[str, Rounds]) -> Record:
+    """One row: the rate of each library, median, least and most over the rounds; `ratio`: how
+    many times as fast fgenv is, the median over what each round says."""
+    found = {
+        name: {"rate": 1.0 / float(np.median(t)), "least": 1.0 / t.max(), "most": 1.0 / t.min()}
+        for name, t in times.items()
+    }
+    own = times.get("fgenv")
+    ratio = {
+        name: float(np.median(t / own))
+        for name, t in times.items()
+        if own is not None and name != "fgenv"
+    }
+    return {"robots": robots, "worlds": worlds, "peers": found, "ratio": ratio}
+
+
+def growth(times: Mapping[str, Rounds]) -> Record:
+    """Seconds a robot-step over the number of robots, and the last over the first."""
+    rows = [{"robots": int(n), "seconds": float(np.median(t))} for n, t in times.items()]
+    few, *_, many = times.values()
+    return {"rows": rows, "times": float(np.median(many / few))}
+
+
+def view_cost(name: str, view: Batch, times: Mapping[str, Rounds]) -> Record:
+    """Seconds a step of a view and of the simulator below it, and `rate`, the view's as a share."""
+    above, below = times["view"], times["simulator"]
+    return {
+        "name": name,
+        "robots": view.robots,
+        "worlds": view.worlds,
+        "view": float(np.median(above)) * view.size,
+        "simulator": float(np.median(below)) * view.size,
+        "overhead": float(np.median(above - below)) * view.size,
+        "rate": float(np.median(below / above)),
+    }
