@@ -78,6 +78,7 @@ class Simulator:
             found.
         cases: of a built-in scenario: that many, each with a seed of its own, as `frozen` has them.
         clearance: measure each robot's distance to whatever is nearest after each step.
+        tolerance: metres that a robot may stop before what it meets; less costs more.
         autoreset: a world that ends begins anew in the same step; what its robots observed at the
             end is in `final_observations`. Else stepping after the end is an error.
         threads: None: FGENV_THREADS, else all cores.
@@ -99,6 +100,7 @@ class Simulator:
         starts: str = "scenario",
         cases: int | None = None,
         clearance: bool = False,
+        tolerance: float = 1e-4,
         autoreset: bool = True,
         threads: int | None = None,
         **overrides: Any,
@@ -113,12 +115,15 @@ class Simulator:
             raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
         if not 0 < way_point_seconds <= 1e3:
             raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
+        if not 1e-9 <= tolerance <= 0.1:
+            raise ValueError(f"tolerance: {tolerance!r}, wanted metres, 1e-9 to 0.1")
         self.scenario, several = scenario_of(scenario, cases, overrides)
         if not self.scenario.robots:
             raise ValueError(f"scenario: {self.scenario.name!r} has no robots, wanted one at least")
         self.observation, self.reward = observation or Observation(), reward or Reward()
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
-        self.clearance, self.autoreset, self.threads = clearance, autoreset, threads
+        self.clearance, self.tolerance = clearance, tolerance
+        self.autoreset, self.threads = autoreset, threads
         self.n_worlds = worlds
         self.built: Built = self.scenario.build()
         self.cases = Cases.of(self.built, several)
@@ -154,6 +159,7 @@ class Simulator:
             "random": self.starts == "random",
             "clearance": bool(self.clearance),
             "near": float(self.reward.near),
+            "tolerance": float(self.tolerance),
             "goal": seen.goal,
             "velocity": seen.velocity,
             "configuration": seen.configuration,

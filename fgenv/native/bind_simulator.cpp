@@ -80,6 +80,7 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("random", s.random);
     get("clearance", s.clearance);
     get("near", s.near);
+    get("tolerance", s.tolerance);
     get("goal", s.senses.goal);
     get("velocity", s.senses.velocity);
     get("configuration", s.senses.configuration);

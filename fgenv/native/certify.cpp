@@ -17,6 +17,8 @@ constexpr int max_halvings = 5;    // up to so many times; then
 constexpr int all_pairs = 1 << 16;  // are looked at
 constexpr int few_pairs = 4;       // are taken one by one, without halving their time
 constexpr int max_splits = 10;     // or more of them after so many times
+constexpr size_t most_corners = 4096;  // of two bodies together, for planes between them, and
+constexpr int max_planes = 48;     // so many one after the other
 constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
 constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
 
@@ -51,6 +53,80 @@ double rounding_slack(const Instant& now, double radii) {
     return rounding * (norm(origin(now.a) - origin(now.b)) + radii) +
            0x1p-51 * (norm(origin(now.a)) + norm(origin(now.b)));
 }
+
+// The longest t with approach t + acceleration t^2 / 2 <= gap.
+double time_to(double gap, double approach, double acceleration) {
+    const double root = std::sqrt(greater(approach * approach + 2 * acceleration * gap, 0));
+    if (approach + root > 0 && approach >= 0) return 2 * gap / (approach + root) * (1 - 1e-12);
+    return acceleration > 0 ? (root - approach) / acceleration * (1 - 1e-12) : HUGE_VAL;
+}
+
+// Two whole bodies moving, and a plane between them.
+class WholeAdvance {
+public:
+    WholeAdvance(const Moving& a, const Moving& b, const CertifySettings& s) : a_(a), b_(b), settings_(s) {
+        const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
+        radii_ = askew * (a.shape->radius + b.shape->radius);
+        acceleration_ = at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * a.shape->radius + at_b.by_radius * b.shape->radius);
+    }
+
+    // How long after t a plane parts them for certain, at most `longest`; 0 if none is found.
+    double stay(double t, double longest) {
+        now_ = instant(a_, b_, t);
+        const double as_before = stay_along(longest);
+        if (as_before > 0.5 * longest) return as_before;
+        const Nearest near = kernels().nearest(*a_.shape, *b_.shape, relative(now_.a, now_.b), HUGE_VAL, false);
+        const Vec3 before = along_;
+        along_ = unit(rotate(now_.a, near.on_b - near.on_a));
+        const double anew = stay_along(longest);
+        if (anew >= as_before) return anew;
+        along_ = before;
+        return as_before;
+    }
+
+private:
+    struct Corner {
+        double most;
+        Vec3 at;
+    };
+    static Corner farthest(const Shape& s, Vec3 along) {
+        Corner out{-HUGE_VAL, {0, 0, 0}};
+        for (const Vec3& v : s.mesh.vertices) {
+            const double x = dot(along, v);
+            if (x > out.most) out = {x, v};
+        }
+        return out;
+    }
+
+    // How far the bodies are apart along n at time s from now, as all corners go on at the velocities that
+    // they have now: never more than what is between them on a line, so a concave function of s.
+    struct Gap {
+        double gap, approach;
+    };
+    Gap gap(double s) const {
+        const Vec3 n = along_, to_a = unrotate(now_.a, n), to_b = unrotate(now_.b, n);
+        const Vec3 turn_a = unrotate(now_.a, cross(n, now_.va.w)), turn_b = unrotate(now_.b, cross(n, now_.vb.w));
+        const Corner far_a = farthest(*a_.shape, to_a + s * turn_a), far_b = farthest(*b_.shape, -1.0 * (to_b + s * turn_b));
+        const double speed = dot(n, now_.va.v - now_.vb.v);
+        const double between = dot(n, origin(now_.b) - origin(now_.a)) - s * speed - far_a.most - far_b.most;
+        return {between - settings_.margin - rounding_slack(now_, radii_), speed + dot(turn_a, far_a.at) - dot(turn_b, far_b.at)};
+    }
+
+    double stay_along(double longest) const {
+        const Gap at_once = gap(0);
+        if (!(at_once.gap > 0)) return 0;
+        // The tangent ends beyond the true end, the chord to there before it.
+        const double s = lesser(longest, time_to(at_once.gap, at_once.approach, acceleration_));
+        const double then = gap(s).gap - 0.5 * acceleration_ * s * s;
+        return then > 0 ? s : s * at_once.gap / (at_once.gap - then) * (1 - 1e-12);
+    }
+
+    const Moving &a_, &b_;
+    const CertifySettings& settings_;
+    double radii_, acceleration_;
+    Vec3 along_{0, 0, 0};
+    Instant now_;
+};
 
 // Two faces moving. Corners are placed relative to b's origin, along the axes of the world.
 class FaceAdvance {
@@ -118,7 +194,7 @@ private:
             for (int l = 0; l < 3; ++l) {
                 const double gap = at_b[l] - at_a[k];
                 if (!(gap > 0)) return 0;
-                longest = lesser(longest, time(gap, of_a[k] - of_b[l]));
+                longest = lesser(longest, time_to(gap, of_a[k] - of_b[l], acceleration_));
             }
         return longest;
     }
@@ -133,13 +209,6 @@ private:
         slack_ = rounding_slack(now_, radius_a_ + radius_b_);
     }
 
-    // The longest t with approach t + acceleration t^2 / 2 <= gap.
-    double time(double gap, double approach) const {
-        const double root = std::sqrt(greater(approach * approach + 2 * acceleration_ * gap, 0));
-        if (approach + root > 0 && approach >= 0) return 2 * gap / (approach + root) * (1 - 1e-12);
-        return acceleration_ > 0 ? (root - approach) / acceleration_ * (1 - 1e-12) : HUGE_VAL;
-    }
-
     const Moving &a_, &b_;
     const CertifySettings& settings_;
     Corners fa_, fb_, xa_, xb_;
@@ -151,7 +220,15 @@ private:
 class Certifier {
 public:
     Certifier(const Moving& a, const Moving& b, const CertifySettings& s, Contact& contact, int64_t& sweeps)
-        : a_(a), b_(b), settings_(s), contact_(contact), sweeps_(sweeps) {}
+        : a_(a), b_(b), settings_(s), contact_(contact), sweeps_(sweeps),
+          speed_(greater(s.speed, a.motion->speed(a.shape->radius) + b.motion->speed(b.shape->radius))) {}
+
+    // What presses on from near contact, as robots do that have stopped at one, is told at once.
+    void begin(double lo, double hi) {
+        const double soon = lo + 0.5 * bracket(speed_);
+        if (soon < lesser(hi, contact_.free_until) && collides(soon)) find(lo, soon);
+        else run(lo, hi, 0);
+    }
 
     // In the order of time, so that each stretch begins where all before it is proved free.
     void run(double lo, double hi, int halvings) {
@@ -162,7 +239,11 @@ public:
         const bool last = halvings == max_halvings;
         const int capacity = last ? all_pairs : some_pairs;
         const int count = look(now, lo, hi, capacity, last ? std::numeric_limits<int>::max() : some_boxes);
-        if (count <= capacity) return settle(0, count, now, lo, hi, 0);
+        if (count && halvings == 0) {
+            lo = part(lo, hi);
+            if (lo >= lesser(hi, contact_.free_until)) return;
+        }
+        if (count <= capacity) return settle(0, count, instant(a_, b_, 0.5 * (lo + hi)), lo, hi, 0);
         if (last) return give_up(lo);
         if (!contact_.found && collides(middle)) {
             const double shown = settings_.first ? first_shown(lo, middle) : middle;
@@ -217,24 +298,45 @@ private:
         return m;
     }
 
+    // Until when planes part the whole bodies, one after the other: cheap, and enough for most that come
+    // near each other, even if they touch in the end.
+    double part(double lo, double hi) {
+        if (a_.shape->mesh.vertices.size() + b_.shape->mesh.vertices.size() > most_corners) return lo;
+        WholeAdvance bodies(a_, b_, settings_);
+        for (int i = 0; i < max_planes; ++i) {
+            const double after = bodies.stay(lo, hi - lo);
+            if (lo + after >= hi) return hi;
+            lo += after;
+            if (after > 0.25 * bracket(speed_)) continue;
+            const double shown = lesser(lo + 0.5 * bracket(speed_), 1);
+            if (!collides(shown)) continue;
+            find(lo, shown);
+            break;
+        }
+        return lo;
+    }
+
+    // What part of the time a point takes for the tolerance.
+    double bracket(double speed) const { return settings_.tolerance / greater(speed, 1e-300); }
+
     void advance(FacePair pair, double lo, double hi) {
         FaceAdvance faces(a_, b_, pair, settings_);
-        double t = lo, bracket = 0;
+        double t = lo, within = 0;
         for (int step = 0; step < max_steps; ++step) {
             const double after = faces.stay(t);
             if (t + after >= hi) return;
             t += after;
-            bracket = settings_.tolerance / greater(greater(faces.speed(), settings_.speed), 1e-300);
-            if (after > 0.25 * bracket) continue;
-            const double shown = lesser(t + 0.5 * bracket, 1);
+            within = bracket(greater(faces.speed(), settings_.speed));
+            if (after > 0.25 * within) continue;
+            const double shown = lesser(t + 0.5 * within, 1);
             if (faces.meet(shown)) return find(t, shown);
             // Another pair that shares the corner may have shown it already.
-            if (contact_.found && contact_.shown <= t + bracket) return find(t, contact_.shown);
+            if (contact_.found && contact_.shown <= t + within) return find(t, contact_.shown);
             if (after == 0) break;
         }
         // These two only touch, as some do around a corner that runs into an edge: others may show it.
         for (double part : {0.5, 1.0}) {
-            const double shown = lesser(t + part * bracket, 1);
+            const double shown = lesser(t + part * within, 1);
             if (collides(shown)) return find(t, shown);
         }
         give_up(t);
@@ -261,6 +363,7 @@ private:
     const CertifySettings& settings_;
     Contact& contact_;
     int64_t& sweeps_;
+    double speed_;  // of any point of one against any of the other, at most, and what `settings_` says
     std::vector<FacePair> pairs_;
 };
 
@@ -268,7 +371,7 @@ private:
 
 void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
                   Contact& contact, int64_t& sweeps) {
-    Certifier(a, b, settings, contact, sweeps).run(lo, hi, 0);
+    Certifier(a, b, settings, contact, sweeps).begin(lo, hi);
 }
 
 }  // namespace fgenv

@@ -30,7 +30,7 @@ static inline int32_t base_actions(DriveKind kind) {
 }
 
 // What is asked for, in [-1, 1] of the limits' middle and half width, as far as `before` may change to in
-// dt seconds: the actions in their own units, in force all through the step.
+// dt seconds: the actions in their own units, in force all through the step. `action` may be `before`.
 void limited(const Drive& drive, const double* asked, const double* before, double dt, double* action);
 
 // The configuration after dt seconds. The base goes on the arc that its velocity, fixed in its own frame,

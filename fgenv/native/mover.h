@@ -49,6 +49,7 @@ private:
 // From place to place, both of which it refers to; outlives the motions of its parts.
 class MoverMotion {
 public:
+    MoverMotion() = default;
     MoverMotion(const Robot* robot, const Place& from, const Place& to)
         : from_(&from), to_(&to),
           tree_(robot ? std::make_unique<RobotMotion>(*robot, from.q.data(), to.q.data()) : nullptr) {}
@@ -60,7 +61,7 @@ public:
     }
 
 private:
-    const Place *from_, *to_;
+    const Place *from_ = nullptr, *to_ = nullptr;
     std::unique_ptr<RobotMotion> tree_;
 };
 

@@ -18,8 +18,15 @@ struct PackedBoxes {
     std::vector<std::vector<BoxBlock>> levels;  // the lowest first
 };
 
-static inline float rounded_down(double x) { return std::nextafterf(static_cast<float>(x), -HUGE_VALF); }
-static inline float rounded_up(double x) { return std::nextafterf(static_cast<float>(x), HUGE_VALF); }
+// Beyond x by at least one unit in the last place, without a call into the C library.
+static inline float rounded_down(double x) {
+    const float f = static_cast<float>(x);
+    return f - (std::fabs(f) * 0x1p-23f + 0x1p-126f);
+}
+static inline float rounded_up(double x) {
+    const float f = static_cast<float>(x);
+    return f + (std::fabs(f) * 0x1p-23f + 0x1p-126f);
+}
 
 PackedBoxes pack_boxes(const std::vector<Box>& boxes);
 

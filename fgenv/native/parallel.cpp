@@ -36,7 +36,7 @@ int thread_count(int threads) {
                 ("FGENV_THREADS=" + std::string(text) + ": wanted a number of threads, 1 to 4096").c_str());
         return static_cast<int>(n);
     }
-    const unsigned cores = std::thread::hardware_concurrency();
+    static const unsigned cores = std::thread::hardware_concurrency();  // reads a file each time
     return cores ? static_cast<int>(cores) : 1;
 }
 

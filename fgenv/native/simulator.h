@@ -62,6 +62,7 @@ struct SimulatorSettings {
     bool random = false;           // starts and goals anew for each episode, else those of a case
     bool clearance = false;        // is measured after each step
     double near = 0.5;
+    double tolerance = 1e-4;  // metres that a robot may stop before a contact
     Senses senses;
     Weights weights;
 };

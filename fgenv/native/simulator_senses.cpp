@@ -172,12 +172,15 @@ void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies
 // Metres to the first surface on each ray; the range where there is none, and for who is gone.
 void Simulator::sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const {
     const Agent& agent = agents_[i];
-    const bool here = episode.runners[i].status != Status::gone;
-    const Vec3 from = apply(base, agent.lidar.position);
-    for (const Vec3& d : agent.lidar.directions) {
-        const double far = agent.lidar.range;
-        write(out, here ? lesser(episode.world.raycast(from, rotate(base, d), far, agent.parts).distance, far) : far);
+    const size_t n = agent.lidar.directions.size();
+    if (n == 0) return;
+    std::vector<double> distances(n, agent.lidar.range);
+    if (episode.runners[i].status != Status::gone) {
+        std::vector<Vec3> directions;
+        for (const Vec3& d : agent.lidar.directions) directions.push_back(rotate(base, d));
+        episode.world.scan(apply(base, agent.lidar.position), directions, agent.lidar.range, agent.parts, distances.data());
     }
+    for (double d : distances) write(out, d);
 }
 
 void Simulator::toward(int32_t e, int32_t i, const double* target, double* action) const {

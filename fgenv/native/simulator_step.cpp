@@ -47,16 +47,16 @@ bool Simulator::arrived(const Agent& agent, const Runner& runner) const {
 bool Simulator::drive(Episode& episode, int32_t i, const double* asked, Place& to) {
     const Agent& agent = agents_[i];
     Runner& runner = episode.runners[i];
-    std::vector<double> to_way_point(agent.drive.n_actions());
+    std::vector<double> to_way_point;
     if (settings_.way_points) {
+        to_way_point.resize(agent.drive.n_actions());
         std::vector<double> target(runner.q.size());
         way_point(*agent.robot, agent.drive, runner.q.data(), asked, settings_.way_point_seconds, target.data());
         fgenv::toward(*agent.robot, agent.drive, runner.q.data(), target.data(), settings_.dt, to_way_point.data());
         asked = to_way_point.data();
         set_path(episode, i, {runner.q, std::move(target)});
     }
-    const std::vector<double> before = runner.action;
-    limited(agent.drive, asked, before.data(), settings_.dt, runner.action.data());
+    limited(agent.drive, asked, runner.action.data(), settings_.dt, runner.action.data());
     to.q.resize(runner.q.size());
     drive_on(*agent.robot, agent.drive, runner.action.data(), runner.q.data(), settings_.dt, to.q.data());
     return to.q != runner.q;
@@ -82,8 +82,10 @@ void Simulator::step(int32_t e, const double* actions) {
         from.push_back({identity(), runner.q});
         to.push_back(std::move(place));
     }
+    MotionSettings certified;
+    certified.certify.tolerance = settings_.tolerance;
     const std::vector<MotionOutcome> outcomes =
-        episode.world.advance(ids, to, MotionSettings{}, settings_.response == Response::pass);
+        episode.world.advance(ids, to, certified, settings_.response == Response::pass);
     for (size_t k = 0; k < order.size(); ++k) {
         Runner& runner = episode.runners[order[k]];
         runner.q = episode.world.body(ids[k]).q;

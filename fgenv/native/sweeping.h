@@ -15,9 +15,9 @@ struct World::Part {
 
 // A mover's parts along its motion.
 struct World::Sweeping {
-    const Body* robot;
+    const Body* robot = nullptr;
     MoverMotion motion;
-    bool turns_in_itself;  // parts move against each other
+    bool turns_in_itself = false;  // parts move against each other
     std::vector<Part> parts;
     Box around = empty_box();
     double speed = 0;  // of its fastest point, at most

@@ -163,6 +163,9 @@ public:
     // there. Where nobody overlapped before, nobody does afterwards. With `through` all go on to the end.
     std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
                                        const MotionSettings& settings, bool through = false);
+    // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
+    void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
+              double* distances) const;
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
     // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
@@ -219,6 +222,7 @@ private:
     void candidates(const Body& robot, const Box& box, std::vector<BodyId>& out) const;
     Rigid pose_of(const Body& body, double time) const;
     Box box_of(const Body& body, double time) const;
+    Box rough_box(const Body& robot, const Place& from, const Place& to, double margin) const;
     Sweeping sweeping(const Body& robot, const Place& from, const Place& to, double margin) const;
     bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                     MotionOutcome& out) const;

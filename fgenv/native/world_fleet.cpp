@@ -9,35 +9,81 @@
 namespace fgenv {
 
 struct World::Fleet {
-    std::vector<Sweeping> moving;
+    std::vector<Sweeping> moving;            // of those with somebody near alone
     std::vector<std::vector<int32_t>> near;  // of each: whose motions come near its own, rising
     std::vector<MotionOutcome> alone;        // of each: its first contact with itself or with what is not among them
 };
+
+namespace {
+
+// Pairs (i < j) of boxes that meet, by sweeping along x.
+template <class Visit>
+void for_meeting(const std::vector<Box>& boxes, const Visit& visit) {
+    std::vector<int32_t> order(boxes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int32_t i, int32_t j) {
+        const double x = boxes[i].lo.x, y = boxes[j].lo.x;
+        return x != y ? x < y : i < j;
+    });
+    for (size_t k = 0; k < order.size(); ++k)
+        for (size_t m = k + 1; m < order.size() && boxes[order[m]].lo.x <= boxes[order[k]].hi.x; ++m)
+            if (overlap(boxes[order[k]], boxes[order[m]]))
+                visit(std::min(order[k], order[m]), std::max(order[k], order[m]));
+}
+
+}  // namespace
+
+// All along its way a mover whose parts are fixed in the frame of its base is within a sphere around that
+// frame's origin, which goes straight. Cheap; of others the boxes of all parts.
+Box World::rough_box(const Body& robot, const Place& from, const Place& to, double margin) const {
+    const Robot* tree = robot.robot.get();
+    if (tree && tree->n_links() > 1) return sweeping(robot, from, to, margin).around;
+    double radius = 0;
+    for (BodyId id : robot.parts) {
+        const Body& part = body(id);
+        radius = greater(radius, part.shape->radius + (part.held_at() ? norm(origin(part.offset)) : 0));
+    }
+    Box box = empty_box();
+    for (const Place* place : {&from, &to}) {
+        if (!tree) {
+            grow(box, origin(place->pose));
+            continue;
+        }
+        const Joint& base = tree->joints[0];
+        const double* q = place->q.data();
+        grow(box, base.kind == JointKind::planar ? apply(base.origin, {q[0], q[1], 0})
+                  : base.kind == JointKind::free ? apply(base.origin, {q[0], q[1], q[2]}) : origin(base.origin));
+    }
+    const double size = greater(norm(box.lo), norm(box.hi)) + radius;
+    return widened(box, radius * (1 + 1e-4) + margin + 1e-12 * size);  // poses may be askew by 1e-5
+}
 
 World::Fleet World::fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from,
                           const std::vector<Place>& to, const MotionSettings& given) const {
     const size_t n = robots.size();
     Fleet out{{}, std::vector<std::vector<int32_t>>(n), std::vector<MotionOutcome>(n)};
     std::vector<Box> boxes;
-    for (size_t i = 0; i < n; ++i) {
-        out.moving.push_back(sweeping(body(robots[i]), from[i], to[i], given.certify.margin));
-        boxes.push_back(out.moving.back().around);
-    }
-    std::vector<int32_t> rows(n);
-    std::iota(rows.begin(), rows.end(), 0);
-    BoxIndex index;
-    index.set_many(rows, boxes);
+    for (size_t i = 0; i < n; ++i) boxes.push_back(rough_box(body(robots[i]), from[i], to[i], given.certify.margin));
+    for_meeting(boxes, [&](int32_t i, int32_t j) {
+        out.near[i].push_back(j);
+        out.near[j].push_back(i);
+    });
     std::vector<BodyId> sorted = robots, others;
     std::sort(sorted.begin(), sorted.end());
     for (size_t i = 0; i < n; ++i) {
-        const Sweeping& moving = out.moving[i];
-        index.overlapping(moving.around, out.near[i]);
+        const Body& robot = body(robots[i]);
         std::sort(out.near[i].begin(), out.near[i].end());
-        candidates(*moving.robot, moving.around, others);
+        candidates(robot, boxes[i], others);
         others.erase(std::remove_if(others.begin(), others.end(),
                                     [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
                      others.end());
-        out.alone[i].masked = static_cast<int32_t>(others.size() + out.near[i].size()) - 1;
+        out.alone[i].masked = static_cast<int32_t>(others.size() + out.near[i].size());
+        if (others.empty() && out.near[i].empty() && robot.own_pairs.empty()) {
+            out.moving.emplace_back();
+            continue;
+        }
+        out.moving.push_back(sweeping(robot, from[i], to[i], given.certify.margin));
+        const Sweeping& moving = out.moving.back();
         const MotionSettings s = given.with_speed(moving.speed);
         if (touches_at(moving, 0, others, s, out.alone[i])) out.alone[i].contact = {0, 0, true};
         certify_all(moving, others, s, out.alone[i]);

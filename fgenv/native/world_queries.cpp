@@ -131,6 +131,62 @@ WorldHit World::raycast(Vec3 o, Vec3 d, double max_distance, const std::vector<B
     return best;
 }
 
+// Body by body, the nearest boxes first: each is looked up and turned once for all rays, which are tested
+// against its box eight at once.
+void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
+                 double* distances) const {
+    struct Eight {
+        F8 inverse[3], slack[3];
+    };
+    const float from[3] = {float(o.x), float(o.y), float(o.z)};
+    const size_t n = directions.size();
+    std::vector<Eight> rays((n + 7) / 8);
+    for (size_t k = 0; k < 8 * rays.size(); ++k)
+        for (int i = 0; i < 3; ++i) {
+            const double along = coordinate(directions[std::min(k, n - 1)], i);
+            const float inverse = static_cast<float>(1 / (std::fabs(along) > 1e-18 ? along : std::copysign(1e-18, along)));
+            rays[k / 8].inverse[i][k % 8] = inverse;
+            rays[k / 8].slack[i][k % 8] = std::fabs(inverse) * 0x1p-21f;
+        }
+    std::fill(distances, distances + n, range);
+    std::vector<BodyId> near;
+    index_.overlapping(widened({o, o}, range), near);
+    std::vector<std::pair<double, BodyId>> order;
+    for (BodyId id : near) {
+        if (std::binary_search(ignored.begin(), ignored.end(), id)) continue;
+        const Box& box = body(id).box;
+        double squared = 0;
+        for (int i = 0; i < 3; ++i) {
+            const double x = coordinate(o, i);
+            const double gap = greater(greater(coordinate(box.lo, i) - x, x - coordinate(box.hi, i)), 0);
+            squared += gap * gap;
+        }
+        order.emplace_back(squared, id);
+    }
+    std::sort(order.begin(), order.end());
+    for (const auto& [squared, id] : order) {
+        const Body& b = body(id);
+        const float lo[3] = {rounded_down(b.box.lo.x), rounded_down(b.box.lo.y), rounded_down(b.box.lo.z)};
+        const float hi[3] = {rounded_up(b.box.hi.x), rounded_up(b.box.hi.y), rounded_up(b.box.hi.z)};
+        const Rigid back = inverse(b.pose);
+        const Vec3 seen = apply(back, o);
+        for (size_t block = 0; block < rays.size(); ++block) {
+            F8 entry = F8{}, exit = splat(rounded_up(range));
+            for (int i = 0; i < 3; ++i) {
+                const F8 a = splat(lo[i] - from[i]) * rays[block].inverse[i], c = splat(hi[i] - from[i]) * rays[block].inverse[i];
+                const F8 slack = splat(std::fabs(lo[i]) + std::fabs(hi[i]) + std::fabs(from[i])) * rays[block].slack[i];
+                entry = max(entry, min(a, c) - slack);
+                exit = min(exit, max(a, c) + slack);
+            }
+            for (uint32_t m = bits(entry <= exit); m; m &= m - 1) {
+                const size_t k = 8 * block + __builtin_ctz(m);
+                if (k >= n || entry[k % 8] > distances[k]) continue;
+                distances[k] = lesser(distances[k], kernels().raycast(*b.shape, seen, rotate(back, directions[k]), distances[k]).distance);
+            }
+        }
+    }
+}
+
 // The bodies of one block of eight against those of this and later blocks: one search for eight.
 void World::contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const {
     const PackedBoxes& packed = index_.packed();
