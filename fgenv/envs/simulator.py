@@ -80,6 +80,7 @@ class Simulator:
         clearance: measure each robot's distance to whatever is nearest after each step.
         autoreset: a world that ends begins anew in the same step; what its robots observed at the
             end is in `final_observations`. Else stepping after the end is an error.
+        max_steps: of an episode, in place of the scenario's horizon.
         threads: None: FGENV_THREADS, else all cores.
         overrides: for `Scenario.load`.
 
@@ -100,6 +101,7 @@ class Simulator:
         cases: int | None = None,
         clearance: bool = False,
         autoreset: bool = True,
+        max_steps: int | None = None,
         threads: int | None = None,
         **overrides: Any,
     ) -> None:
@@ -111,6 +113,9 @@ class Simulator:
             or not 1 <= worlds <= MOST_WORLDS
         ):
             raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
+        whole = isinstance(max_steps, int) and not isinstance(max_steps, bool)
+        if max_steps is not None and not (whole and 1 <= max_steps < 2**62):
+            raise ValueError(f"max_steps: {max_steps!r}, wanted a whole number over 0, or None")
         if not 0 < way_point_seconds <= 1e3:
             raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
         self.scenario, several = scenario_of(scenario, cases, overrides)
@@ -119,7 +124,7 @@ class Simulator:
         self.observation, self.reward = observation or Observation(), reward or Reward()
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
         self.clearance, self.autoreset, self.threads = clearance, autoreset, threads
-        self.n_worlds = worlds
+        self.n_worlds, self.max_steps = worlds, max_steps
         self.built: Built = self.scenario.build()
         self.cases = Cases.of(self.built, several)
         if starts == "random":
@@ -191,6 +196,8 @@ class Simulator:
     @property
     def horizon(self) -> int:
         """Steps of an episode at most."""
+        if self.max_steps is not None:
+            return self.max_steps
         return max(1, round(self.scenario.horizon / self.scenario.time_step))
 
     @cached_property
