@@ -12,15 +12,20 @@ from .aec import FleetAECEnv, env
 from .observations import Observation, Part
 from .others import Policy
 from .parallel import FleetParallelEnv, parallel_env
+from .registration import register
 from .rewards import TERMS, Reward
 from .simulator import Collision, Simulator, Step
+from .single import FleetEnv
+from .vector import FleetVectorEnv
 from .view import View
 
 __all__ = [
     "TERMS",
     "Collision",
     "FleetAECEnv",
+    "FleetEnv",
     "FleetParallelEnv",
+    "FleetVectorEnv",
     "Observation",
     "Part",
     "Policy",
@@ -31,3 +36,5 @@ __all__ = [
     "env",
     "parallel_env",
 ]
+
+register()

@@ -39,6 +39,9 @@ class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[type-arg]
 class OrderedAECEnv(OrderEnforcingWrapper):  # type: ignore[type-arg]
     """Says what is called too early; a copy is a deep one."""
 
+    def __str__(self) -> str:
+        return str(self.env)
+
     def __copy__(self) -> OrderedAECEnv:
         return copy.deepcopy(self)
 

@@ -155,6 +155,8 @@ class FleetParallelEnv(ParallelEnv[str, NDArray[np.float32], Any]):
         try:
             if self._alike:  # all at once is faster
                 rows = np.array([actions[name] for name in self.agents], dtype=np.float64)
+                if rows.shape == asked.shape[1:]:
+                    return self.simulator.step(rows[None])
                 if rows.shape == (len(self.agents), asked.shape[2]):
                     asked[0, [self._places[name] for name in self.agents]] = rows
                     return self.simulator.step(asked)
