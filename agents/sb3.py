@@ -88,7 +88,10 @@ class FleetVecEnv(VecEnv):
         self._seed: int | None = None
         rows = self.simulator.n_worlds * self.simulator.n_robots
         super().__init__(rows, observation, action)
-        self.metadata["render_fps"] = 1.0 / self.simulator.dt
+        self.metadata: dict[str, Any] = {
+            **self.metadata,
+            "render_fps": 1.0 / self.simulator.dt,
+        }
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """World w gets seed + w at the next reset; returns that of each row. None: a random one."""
@@ -178,9 +181,7 @@ class FleetVecEnv(VecEnv):
     def _flat(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         return rows.reshape(self.num_envs, -1)
 
-    def _tell_ends(
-        self, ended: NDArray[np.int64], done: Step, infos: list[dict[str, Any]]
-    ) -> None:
+    def _tell_ends(self, ended: NDArray[np.int64], done: Step, infos: list[dict[str, Any]]) -> None:
         last, late = done.observations[ended], done.truncated[ended].tolist()
         arrived = (self.simulator.arrival_steps[ended] >= 0).tolist()
         collisions = self.simulator.collision_counts[ended].tolist()

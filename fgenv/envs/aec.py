@@ -12,7 +12,7 @@ from .parallel import FleetParallelEnv, parallel_env
 from .simulator import Source
 
 
-class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[type-arg]
+class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[misc]
     """A FleetParallelEnv in turns; a bad action is told at its own turn."""
 
     env: FleetParallelEnv
@@ -36,7 +36,7 @@ class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[type-arg]
         return copy.deepcopy(self)
 
 
-class OrderedAECEnv(OrderEnforcingWrapper):  # type: ignore[type-arg]
+class OrderedAECEnv(OrderEnforcingWrapper):  # type: ignore[misc]
     """Says what is called too early; a copy is a deep one."""
 
     def __str__(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -43,11 +45,15 @@ class Rest:
 class Called:
     """A function of observations as a policy."""
 
-    def __init__(self, act: Any) -> None:
-        self.act = act
+    def __init__(self, function: Callable[[Rows], Any]) -> None:
+        self._function = function
 
     def reset(self, view: View) -> None:
         """See `Policy`."""
+
+    def act(self, observations: Rows) -> Any:
+        """See `Policy`."""
+        return self._function(observations)
 
 
 def policy_of(others: Any, seed: int = 0) -> Policy:
@@ -59,8 +65,7 @@ def policy_of(others: Any, seed: int = 0) -> Policy:
     if isinstance(others, str):
         if others == "rest":
             return Rest()
-        from fgenv import agents
-
+        agents: Any = importlib.import_module("fgenv.agents")  # it stands on this package
         found: Policy = agents.policy_of(others, seed)
         return found
     if isinstance(others, Policy):

@@ -28,7 +28,7 @@ Rows = dict[str, NDArray[np.float32]]
 Infos = dict[str, Told]
 
 
-class FleetParallelEnv(ParallelEnv[str, NDArray[np.float32], Any]):
+class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     """One world of a simulator, each robot an agent by its name.
 
     A robot that arrives is terminated, and leaves `agents`. At the horizon all who are left are
@@ -39,7 +39,7 @@ class FleetParallelEnv(ParallelEnv[str, NDArray[np.float32], Any]):
         render_mode: `rgb_array`, `human` or None.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = {
         "name": "fgenv",
         "render_modes": MODES,
         "render_fps": 10,

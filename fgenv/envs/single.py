@@ -24,7 +24,7 @@ from .spaces import action_box, observation_box
 Row = NDArray[np.float32]
 
 
-class FleetEnv(gymnasium.Env[Row, Any]):
+class FleetEnv(gymnasium.Env[Any, Any]):
     """A robot among others.
 
     Its episode is terminated where it arrives, or where a collision ends it; truncated at the
@@ -80,7 +80,7 @@ class FleetEnv(gymnasium.Env[Row, Any]):
         ended, late = bool(done.terminated[0]), bool(done.truncated[0])
         return done.observations[0], float(done.rewards[0]), ended, late, self._told()
 
-    def render(self) -> Frame | None:  # type: ignore[override]
+    def render(self) -> Frame | None:
         """The frame (360, 480, 3) in mode `rgb_array`, else None with a warning."""
         return self._screen.show()
 

@@ -17,6 +17,7 @@ from fgenv.robots.limits import reaches
 
 from .assembly import drive_of, lidar_of
 from .observations import Part
+from .simulator import MOVING
 
 if TYPE_CHECKING:
     from .simulator import Simulator
@@ -53,7 +54,7 @@ def state_of(simulator: Simulator, world: int = 0) -> NDArray[np.float32]:
     q, goals, v = (
         x[world] for x in (simulator.configurations, simulator.goals, simulator.velocities)
     )
-    moving = simulator.status[world] == 0
+    moving = simulator.status[world] == MOVING
     parts: list[ArrayLike] = [[simulator.steps[world] / simulator.horizon]]
     for i, robot in enumerate(simulator.robots):
         n = robot.nq

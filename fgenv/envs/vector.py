@@ -20,7 +20,7 @@ from .infos import measured
 from .learner import Flags, Floats, Learner, Rows
 from .parallel import single
 from .rendering import MODES, Frame, Screen
-from .simulator import MOVING, Simulator, Source
+from .simulator import MOVING, Simulator, Source, seeds_of
 from .spaces import action_box, observation_box
 
 Told = dict[str, Any]
@@ -72,7 +72,7 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
     def reset(
         self,
         *,
-        seed: int | Sequence[int] | None = None,  # type: ignore[override]
+        seed: int | Sequence[int] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Rows, Told]:
         """Begin episodes: the first of seeds seed + k, or seed[k]; or the next ones.
@@ -80,14 +80,14 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
         Args:
             options: `reset_mask`, (worlds,) bool: only those begin.
         """
-        super().reset(seed=seed if seed is None or isinstance(seed, int) else int(seed[0]))
+        seeds = None if seed is None else seeds_of(seed, self.num_envs).tolist()
+        super().reset(seed=seeds and seeds[0])
         which = (options or {}).get("reset_mask")
         if which is not None:
             which = np.flatnonzero(checked_mask(which, self.num_envs))
-            if seed is not None:
-                every = [seed + k for k in range(self.num_envs)] if isinstance(seed, int) else seed
-                seed = [every[k] for k in which]
-        return self.learner.reset(seed, which), with_masks(self._told(), np.ones(self.num_envs))
+            seeds = seeds and [seeds[k] for k in which.tolist()]
+        rows = self.learner.reset(seeds, which)
+        return rows, with_masks(self._told(), np.ones(self.num_envs))
 
     def step(self, actions: ArrayLike) -> tuple[Rows, Floats, Flags, Flags, Told]:
         """Step all worlds with actions (worlds, size); errors are those of `FleetEnv.step`."""
@@ -112,13 +112,15 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
 
     def _told(self) -> Told:
         simulator, place = self.simulator, self.learner.place
-        told = {
+        told: Told = {
             "collision": simulator.hits[:, place] >= 0,
             "masked": simulator.masked[:, place],
             "checks": simulator.checks[:, place],
             "success": simulator.status[:, place] != MOVING,
         }
-        return {**told, "clearance": simulator.clearances[:, place]} if measured(simulator) else told
+        if measured(simulator):
+            told["clearance"] = simulator.clearances[:, place]
+        return told
 
     def __copy__(self) -> FleetVectorEnv:
         return copy.deepcopy(self)

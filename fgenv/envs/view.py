@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.collision import World
 from fgenv.robots import Robot
 
+from .simulator import MOVING
+
 if TYPE_CHECKING:
     from .simulator import Simulator
 
@@ -68,7 +70,7 @@ class View:
     @property
     def moving(self) -> NDArray[np.bool_]:
         """Who is on the way, (worlds, robots)."""
-        return self._simulator.status == 0
+        return np.asarray(self._simulator.status == MOVING)
 
     @property
     def action_size(self) -> int:
