@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import functools
 import io
+import pickle
 import types
 import warnings
 from collections.abc import Iterator
@@ -71,6 +73,7 @@ class TestOfficial:
         save_obs(turns())
 
 
+@pytest.mark.skipif(not hasattr(pettingzoo, "register"), reason="PettingZoo before 1.27")
 def test_both_are_registered() -> None:
     assert pettingzoo.make("parallel", "fgenv/swap-v0", n=3).num_agents == 0
     assert len(pettingzoo.make("aec", "fgenv/swap-v0", n=3).possible_agents) == 3
@@ -207,10 +210,25 @@ def test_in_turns_a_bad_action_is_told_at_its_turn() -> None:
     assert env.agent_selection == "robot 2"
 
 
+def test_turns_are_copied_in_mid_cycle() -> None:
+    env = turns()
+    env.reset(seed=0)
+    env.step(np.ones(2))
+    made = [copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    for other in [env, *made]:
+        for _ in range(9):
+            other.step(np.full(2, 0.5))
+    for other in made:
+        assert other.agent_selection == env.agent_selection
+        assert np.array_equal(other.state(), env.state())
+        assert np.array_equal(other.last()[0], env.last()[0])
+
+
 def test_before_and_after() -> None:
-    env = parallel(max_cycles=1)
-    with pytest.raises(RuntimeError, match="call reset"):
-        env.step({})
+    env = parallel(max_cycles=1, render_mode="rgb_array")
+    for call in (lambda: env.step({}), env.render, env.state):
+        with pytest.raises(RuntimeError, match="call reset"):
+            call()
     env.reset()
     env.step(still(env))
     with pytest.raises(RuntimeError, match="call reset"):

@@ -80,6 +80,8 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def state(self) -> NDArray[np.float32]:
         """The time gone, and of all robots: configuration, goal, velocity, if it is on its way."""
+        if not self.simulator.begun:
+            raise RuntimeError("state: before the first reset, call reset()")
         return state_of(self.simulator)
 
     def reset(

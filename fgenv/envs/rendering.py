@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -62,12 +63,21 @@ class Renderer:
         from fgenv.view.palette import to_srgb
 
         now, goals = self._worlds(world)
-        corners = np.concatenate([corners_of(now), corners_of(goals)])
         if self._camera is None:
+            corners = np.concatenate([corners_of(now), corners_of(goals), *self._far()])
             self._camera = overview(corners, WIDTH, HEIGHT)
-        floor = Floor(height=min(0.0, float(corners[:, 2].min())))
+            self._ground = min(0.0, float(corners[:, 2].min()))
+        floor = Floor(height=self._ground)
         color, _ = render(self._camera, self._solids(now, goals), floor=floor, shadows=False)
         return (to_srgb(color) * 255 + 0.5).astype(np.uint8)
+
+    def _far(self) -> list[NDArray[np.float64]]:
+        """Corners of where later episodes may be, (n, 3)."""
+        space, simulator = self.simulator.scenario.workspace, self.simulator
+        if space is None or (simulator.starts == "scenario" and len(simulator.cases) == 1):
+            return []
+        ends = [*zip(space.low, space.high, strict=True), (0.0, 0.0)][:3]
+        return [np.array(list(itertools.product(*ends)))]
 
     def _worlds(self, world: int) -> tuple[World, World]:
         """As it is, and with all at their goals."""

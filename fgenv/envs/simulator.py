@@ -230,6 +230,11 @@ class Simulator:
         """What the numbers of a robot's drive are, with units and limits."""
         return self.robots[robot].actions
 
+    @property
+    def begun(self) -> bool:
+        """Whether it has been reset; before that there is no state."""
+        return self._begun
+
     # Stepping
 
     def reset(
@@ -262,8 +267,7 @@ class Simulator:
             RuntimeError: before the first reset, or after the end without autoreset. Nothing
                 has changed then.
         """
-        if not self._begun:
-            raise RuntimeError("step: before the first reset, call reset()")
+        self._check_begun("step")
         if not self.autoreset and self._over.any():
             over = int(self._over.argmax())
             raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
@@ -282,14 +286,17 @@ class Simulator:
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
         """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
+        self._check_begun("place")
         self._core.place(world, robot, start, goal)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
+        self._check_begun("set_path")
         self._core.set_path(world, robot, path)
 
     def observe(self) -> Rows:
         """Observations as they are, (worlds, robots, size)."""
+        self._check_begun("observe")
         return self._core.observe(None, self.threads)
 
     def toward(self, targets: ArrayLike) -> Floats:
@@ -297,12 +304,17 @@ class Simulator:
 
         They slow down in time, turn or steer as the drive has to, and look at no obstacle.
         """
+        self._check_begun("toward")
         return self._core.toward(targets)
 
     def sample(self, rng: np.random.Generator | None = None) -> Floats:
         """Random actions, uniform in [-1, 1], (worlds, robots, size)."""
         shape = (self.n_worlds, self.n_robots, self.action_size)
         return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
+
+    def _check_begun(self, call: str) -> None:
+        if not self._begun:
+            raise RuntimeError(f"{call}: before the first reset, call reset()")
 
     def _worlds(self, worlds: ArrayLike | None) -> NDArray[np.int64]:
         if worlds is None:
@@ -432,6 +444,7 @@ class Simulator:
 
     def world(self, world: int = 0) -> World:
         """A `World` with everything where it is now; it goes its own way from there."""
+        self._check_begun("world")
         made = self._like.copy()
         ids = dict(zip(made.names, made.ids.tolist(), strict=True))
         case = int(self._core.cases()[world])
@@ -454,6 +467,7 @@ class Simulator:
 
     def state(self) -> bytes:
         """All that the further course depends on, for `set_state` of an equal simulator."""
+        self._check_begun("state")
         return self._core.state()
 
     def set_state(self, state: bytes) -> None:
