@@ -1,5 +1,7 @@
 """What moves the bodies of a scene: path following, driving under masks, planning anew."""
 
+from typing import TYPE_CHECKING, Any
+
 from fgenv.agents.drive import Drive, drive
 from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Replanned
 from fgenv.agents.experiment import Experiment, run_experiment
@@ -7,10 +9,14 @@ from fgenv.agents.facts import facts
 from fgenv.agents.path_follower import PathFollower
 from fgenv.agents.replan import Journey, drive_and_replan
 
+if TYPE_CHECKING:
+    from fgenv.agents.sb3 import FleetVecEnv
+
 __all__ = [
     "Arrived",
     "Drive",
     "Experiment",
+    "FleetVecEnv",
     "Hit",
     "Journey",
     "MasksCleared",
@@ -22,3 +28,19 @@ __all__ = [
     "facts",
     "run_experiment",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`FleetVecEnv`, imported when first asked for: it brings Stable-Baselines3 along."""
+    if name != "FleetVecEnv":
+        raise AttributeError(f"module 'fgenv.agents' has no attribute {name!r}")
+    try:
+        from fgenv.agents.sb3 import FleetVecEnv
+    except ModuleNotFoundError as error:
+        if error.name != "stable_baselines3":
+            raise
+        remedy = "pip install 'fgenv[agents]'"
+        raise ModuleNotFoundError(
+            f"FleetVecEnv needs stable_baselines3, {remedy}", name=error.name
+        ) from None
+    return FleetVecEnv

@@ -4,10 +4,37 @@
 >>> simulator = Simulator("swap", worlds=32, n=8, jitter=0.5)
 >>> observations = simulator.reset(seed=0)                       # (32, 8, size) float32
 >>> observations, rewards, terminated, truncated = simulator.step(simulator.sample())
+
+Importing it registers every built-in scenario with Gymnasium and PettingZoo.
 """
 
+from .aec import FleetAECEnv, env
 from .observations import Observation, Part
+from .others import Policy
+from .parallel import FleetParallelEnv, parallel_env
+from .registration import register
 from .rewards import TERMS, Reward
-from .simulator import Simulator, Step
+from .simulator import Collision, Simulator, Step
+from .single import FleetEnv
+from .vector import FleetVectorEnv
+from .view import View
 
-__all__ = ["TERMS", "Observation", "Part", "Reward", "Simulator", "Step"]
+__all__ = [
+    "TERMS",
+    "Collision",
+    "FleetAECEnv",
+    "FleetEnv",
+    "FleetParallelEnv",
+    "FleetVectorEnv",
+    "Observation",
+    "Part",
+    "Policy",
+    "Reward",
+    "Simulator",
+    "Step",
+    "View",
+    "env",
+    "parallel_env",
+]
+
+register()

@@ -81,6 +81,7 @@ class Simulator:
         tolerance: metres that a robot may stop before what it meets; less costs more.
         autoreset: a world that ends begins anew in the same step; what its robots observed at the
             end is in `final_observations`. Else stepping after the end is an error.
+        max_steps: of an episode, in place of the scenario's horizon.
         threads: None: FGENV_THREADS, else all cores.
         overrides: for `Scenario.load`.
 
@@ -102,6 +103,7 @@ class Simulator:
         clearance: bool = False,
         tolerance: float = 1e-4,
         autoreset: bool = True,
+        max_steps: int | None = None,
         threads: int | None = None,
         **overrides: Any,
     ) -> None:
@@ -113,6 +115,9 @@ class Simulator:
             or not 1 <= worlds <= MOST_WORLDS
         ):
             raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
+        whole = isinstance(max_steps, int) and not isinstance(max_steps, bool)
+        if max_steps is not None and not (whole and 1 <= max_steps < 2**62):
+            raise ValueError(f"max_steps: {max_steps!r}, wanted a whole number over 0, or None")
         if not 0 < way_point_seconds <= 1e3:
             raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
         if not 1e-9 <= tolerance <= 0.1:
@@ -124,7 +129,7 @@ class Simulator:
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
         self.clearance, self.tolerance = clearance, tolerance
         self.autoreset, self.threads = autoreset, threads
-        self.n_worlds = worlds
+        self.n_worlds, self.max_steps = worlds, max_steps
         self.built: Built = self.scenario.build()
         self.cases = Cases.of(self.built, several)
         if starts == "random":
@@ -197,6 +202,8 @@ class Simulator:
     @property
     def horizon(self) -> int:
         """Steps of an episode at most."""
+        if self.max_steps is not None:
+            return self.max_steps
         return max(1, round(self.scenario.horizon / self.scenario.time_step))
 
     @cached_property
@@ -228,6 +235,11 @@ class Simulator:
     def action_names(self, robot: int) -> tuple[Action, ...]:
         """What the numbers of a robot's drive are, with units and limits."""
         return self.robots[robot].actions
+
+    @property
+    def begun(self) -> bool:
+        """Whether it has been reset; before that there is no state."""
+        return self._begun
 
     # Stepping
 
@@ -261,8 +273,7 @@ class Simulator:
             RuntimeError: before the first reset, or after the end without autoreset. Nothing
                 has changed then.
         """
-        if not self._begun:
-            raise RuntimeError("step: before the first reset, call reset()")
+        self._check_begun("step")
         if not self.autoreset and self._over.any():
             over = int(self._over.argmax())
             raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
@@ -281,14 +292,17 @@ class Simulator:
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
         """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
+        self._check_begun("place")
         self._core.place(world, robot, start, goal)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
+        self._check_begun("set_path")
         self._core.set_path(world, robot, path)
 
     def observe(self) -> Rows:
         """Observations as they are, (worlds, robots, size)."""
+        self._check_begun("observe")
         return self._core.observe(None, self.threads)
 
     def toward(self, targets: ArrayLike) -> Floats:
@@ -296,12 +310,17 @@ class Simulator:
 
         They slow down in time, turn or steer as the drive has to, and look at no obstacle.
         """
+        self._check_begun("toward")
         return self._core.toward(targets)
 
     def sample(self, rng: np.random.Generator | None = None) -> Floats:
         """Random actions, uniform in [-1, 1], (worlds, robots, size)."""
         shape = (self.n_worlds, self.n_robots, self.action_size)
         return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
+
+    def _check_begun(self, call: str) -> None:
+        if not self._begun:
+            raise RuntimeError(f"{call}: before the first reset, call reset()")
 
     def _worlds(self, worlds: ArrayLike | None) -> NDArray[np.int64]:
         if worlds is None:
@@ -431,6 +450,7 @@ class Simulator:
 
     def world(self, world: int = 0) -> World:
         """A `World` with everything where it is now; it goes its own way from there."""
+        self._check_begun("world")
         made = self._like.copy()
         ids = dict(zip(made.names, made.ids.tolist(), strict=True))
         case = int(self._core.cases()[world])
@@ -453,6 +473,7 @@ class Simulator:
 
     def state(self) -> bytes:
         """All that the further course depends on, for `set_state` of an equal simulator."""
+        self._check_begun("state")
         return self._core.state()
 
     def set_state(self, state: bytes) -> None:

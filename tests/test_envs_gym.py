@@ -1,0 +1,192 @@
+"""Gymnasium's faces: one robot learns, alone or in each of many worlds."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import pickle
+import subprocess
+import sys
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+from fgenv.envs import FleetEnv, FleetVectorEnv, View
+from fgenv.scenarios import ScenarioError
+from fgenv.scenarios.library import ENTRIES
+
+WAYS: dict[str, Any] = {"n": 4, "starts": "random", "threads": 1}
+single = functools.partial(FleetEnv, "swap", **WAYS)
+vector = functools.partial(FleetVectorEnv, "swap", **WAYS)
+
+
+class Straight:
+    """Everybody goes straight to the goal."""
+
+    def reset(self, view: View) -> None:
+        self.view = view
+
+    def act(self, observations: Any) -> Any:
+        assert observations.shape[:2] == (self.view.n_worlds, self.view.n_robots)
+        return self.view.toward(self.view.goals)
+
+
+@pytest.mark.parametrize("others", ["rest", Straight()])
+def test_official(others: Any) -> None:
+    env = gymnasium.make("fgenv/swap-v0", **WAYS, others=others).unwrapped
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", message="render_mode: 'human' shows nothing")
+        check_env(env)
+
+
+def test_all_scenarios_are_registered() -> None:
+    for name in ENTRIES:
+        assert gymnasium.spec(f"fgenv/{name}-v0").vector_entry_point
+
+
+def test_a_module_in_the_name_imports_it() -> None:
+    """Gymnasium's own way to a name that nobody has registered yet."""
+    code = "import gymnasium as g; print(g.make('fgenv.envs:fgenv/swap-v0', n=2).unwrapped)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "FleetEnv" in done.stdout, done.stderr
+
+
+def test_importing_fgenv_stays_light() -> None:
+    code = "import sys, fgenv; print('gymnasium' in sys.modules, 'pydantic' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.split() == ["False", "False"]
+
+
+def test_others_do_what_their_policy_says() -> None:
+    rest, go = single(), single(others=Straight())
+    for env in (rest, go):
+        env.reset(seed=1)
+    before = rest.simulator.configurations
+    for env in (rest, go):
+        env.step(np.zeros(2))
+    assert np.array_equal(rest.simulator.configurations, before)
+    moved = np.abs(go.simulator.configurations - before).max(axis=-1)[0] > 0
+    assert moved.tolist() == [False, True, True, True]
+
+
+def test_rest_rests_where_the_middle_of_the_limits_does_not() -> None:
+    for name in ENTRIES:
+        env = FleetEnv(name, others="rest", threads=1)
+        env.reset(seed=0)
+        before = env.simulator.configurations
+        env.step(np.zeros(env.action_space.shape or 0))
+        for i, robot in enumerate(env.simulator.robots[1:], 1):
+            q, then = env.simulator.configurations[0, i], before[0, i]
+            assert robot.distance(q[: robot.nq], then[: robot.nq]) < 1e-5, name
+
+
+def test_the_episode_is_that_of_the_robot() -> None:
+    env = single(others=lambda rows: np.zeros((1, 4, 2)), robot="robot 2")
+    env.reset(seed=0)
+    goal = env.simulator.goals[0, 1]
+    env.simulator.place(0, 1, goal, goal)
+    _, reward, ended, late, info = env.step(np.zeros(2))
+    assert (ended, late, info["success"]) == (True, False, True)
+    assert reward > 5
+    with pytest.raises(RuntimeError, match="call reset"):
+        env.step(np.zeros(2))
+    env.reset()
+    env.step(np.zeros(2))
+
+
+def test_worlds_are_those_of_single_environments() -> None:
+    """Bit for bit what Gymnasium's own vector of our environments gives, ends included."""
+    one = vector(5, max_episode_steps=6, others=Straight(), clearance=True)
+
+    def make() -> FleetEnv:
+        return single(max_steps=6, others=Straight(), clearance=True)
+
+    other = SyncVectorEnv([make] * 5, autoreset_mode=AutoresetMode.SAME_STEP)
+    rng = np.random.default_rng(0)
+    rows, infos = one.reset(seed=11)
+    assert np.array_equal(rows, other.reset(seed=11)[0])
+    ends = 0
+    for _ in range(20):
+        actions = rng.uniform(-1, 1, (5, 2)).astype(np.float32)
+        *mine, infos = one.step(actions)
+        *theirs, wanted = other.step(actions)
+        for a, b in zip(mine, theirs, strict=True):
+            assert np.array_equal(a, b)
+        assert np.array_equal(infos["clearance"], wanted["clearance"])
+        assert ("final_obs" in infos) == ("final_obs" in wanted)
+        if "final_obs" in infos:
+            ends += 1
+            mask = infos["_final_obs"]
+            assert np.array_equal(mask, wanted["_final_obs"])
+            for a, b in zip(infos["final_obs"][mask], wanted["final_obs"][mask], strict=True):
+                assert np.array_equal(a, b)
+            for name in ("masked", "checks", "success", "clearance"):
+                told = infos["final_info"][name], wanted["final_info"][name]
+                assert np.array_equal(told[0][mask], told[1][mask])
+    assert ends >= 3
+
+
+def test_some_worlds_may_begin_anew() -> None:
+    envs = vector(3)
+    first, _ = envs.reset(seed=[4, 5, 6])
+    for _ in range(3):
+        rows, *_ = envs.step(np.ones((3, 2)))
+    again, _ = envs.reset(seed=[4, 5, 6], options={"reset_mask": np.array([True, False, False])})
+    assert np.array_equal(again[0], first[0])
+    assert np.array_equal(again[1:], rows[1:])
+    with pytest.raises(ValueError, match="reset_mask"):
+        envs.reset(options={"reset_mask": np.zeros(3, dtype=bool)})
+
+
+def test_made_by_name_it_tells_how_it_autoresets() -> None:
+    envs = gymnasium.make_vec("fgenv/swap-v0", num_envs=3, **WAYS, max_episode_steps=4)
+    assert envs.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
+    rows, _ = envs.reset(seed=0)
+    assert envs.observation_space.contains(rows)
+    for _ in range(4):
+        *_, late, infos = envs.step(envs.action_space.sample())
+    assert late.all()
+    assert infos["_final_obs"].all()
+    assert infos["final_info"]["success"].dtype == bool
+
+
+def test_copies_go_on_identically() -> None:
+    """With a policy that looks at the simulator: a copy's looks at the copy."""
+    env = vector(3, max_episode_steps=5, others=Straight())
+    env.reset(seed=0)
+    env.step(np.ones((3, 2)))
+    made = [copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    steps = [env.step(np.full((3, 2), 0.5)) for _ in range(8)]
+    for other in made:
+        for wanted in steps:
+            for a, b in zip(wanted[:4], other.step(np.full((3, 2), 0.5))[:4], strict=True):
+                assert np.array_equal(a, b)
+
+
+def test_what_does_not_fit_is_named() -> None:
+    with pytest.raises(ValueError, match="robot: 'robot 9' is unknown, wanted robot 1"):
+        single(robot="robot 9")
+    with pytest.raises(ValueError, match="robot: 4, wanted 0 to 3"):
+        single(robot=4)
+    with pytest.raises(TypeError, match="others: int, wanted a name"):
+        single(others=3)
+    with pytest.raises(ScenarioError, match="jiter"):
+        gymnasium.make("fgenv/swap-v0", jiter=1)
+    with pytest.raises(TypeError, match="autoreset"):
+        vector(2, autoreset=True)
+    env = single(others=lambda rows: np.zeros((1, 3, 2)))
+    env.reset(seed=0)
+    before = env.simulator.state()
+    with pytest.raises(ValueError, match=r"act gave shape \(1, 3, 2\), wanted \(1, 4, 2\)"):
+        env.step(np.zeros(2))
+    with pytest.raises(ValueError, match="action of 'robot 1': shape"):
+        env.step(np.zeros(3))
+    with pytest.raises(ValueError, match="action of 'robot 1' in world 0"):
+        env.step(np.array([0, np.nan]))
+    assert env.simulator.state() == before
