@@ -111,12 +111,14 @@ class Simulator:
             or not 1 <= worlds <= MOST_WORLDS
         ):
             raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
-        if not 0 < way_point_seconds <= 1e3:
+        number = isinstance(way_point_seconds, (int, float))
+        if not number or not 0 < way_point_seconds <= 1e3:
             raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
         self.scenario, several = scenario_of(scenario, cases, overrides)
         if not self.scenario.robots:
             raise ValueError(f"scenario: {self.scenario.name!r} has no robots, wanted one at least")
-        self.observation, self.reward = observation or Observation(), reward or Reward()
+        self.observation: Observation = given(observation, "observation", Observation)
+        self.reward: Reward = given(reward, "reward", Reward)
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
         self.clearance, self.autoreset, self.threads = clearance, autoreset, threads
         self.n_worlds = worlds
@@ -297,6 +299,10 @@ class Simulator:
         shape = (self.n_worlds, self.n_robots, self.action_size)
         return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
 
+    def _has(self, world: int) -> None:
+        if not 0 <= world < self.n_worlds:
+            raise ValueError(f"world: {world}, wanted 0 to {self.n_worlds - 1}")
+
     def _worlds(self, worlds: ArrayLike | None) -> NDArray[np.int64]:
         if worlds is None:
             return np.arange(self.n_worlds)
@@ -345,6 +351,11 @@ class Simulator:
         return self._core.seeds()
 
     @property
+    def case_numbers(self) -> NDArray[np.int64]:
+        """Which of `cases` the episode is, (worlds,)."""
+        return self._core.cases()
+
+    @property
     def remaining(self) -> Floats:
         """To the goal: metres, of a fixed base radians of all joints together."""
         return self._core.remaining()
@@ -388,12 +399,13 @@ class Simulator:
 
     def collisions(self, world: int = 0) -> list[Collision]:
         """Who met whom in the last step of a world."""
+        self._has(world)
         hits, robots = self.hits[world], self.hit_robots[world]
         times, points = self.hit_times[world], self.hit_points[world]
         return [
             Collision(
                 self.names[i],
-                self.names[robots[i]] if robots[i] >= 0 else self._body_names[int(hits[i])],
+                self.names[robots[i]] if robots[i] >= 0 else self.body_names[int(hits[i])],
                 bool(robots[i] >= 0),
                 float(times[i]),
                 points[i],
@@ -425,9 +437,10 @@ class Simulator:
 
     def world(self, world: int = 0) -> World:
         """A `World` with everything where it is now; it goes its own way from there."""
+        self._has(world)
         made = self._like.copy()
         ids = dict(zip(made.names, made.ids.tolist(), strict=True))
-        case = int(self._core.cases()[world])
+        case = int(self.case_numbers[world])
         for k, place in enumerate(self.cases.stands):
             assert self.cases.poses is not None
             made.set_pose(ids[self.built.names[place]], self.cases.poses[case, k])
@@ -440,7 +453,8 @@ class Simulator:
         return made
 
     @cached_property
-    def _body_names(self) -> dict[int, str]:
+    def body_names(self) -> dict[int, str]:
+        """Names of bodies, and of robots' parts, by id."""
         return dict(zip(self._like.ids.tolist(), self._like.names, strict=True))
 
     # Copies
@@ -489,13 +503,20 @@ class Simulator:
         return f"Simulator({self.scenario.name!r}: {self.n_worlds} worlds, {self.n_robots} robots)"
 
 
-CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "_body_names")
+CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "body_names")
 
 
 def chosen(value: str, name: str, known: tuple[str, ...]) -> None:
     """ValueError where a word is none of those known."""
     if value not in known:
         raise ValueError(f"{name}: {value!r}, wanted {' or '.join(known)}")
+
+
+def given(value: Any, name: str, kind: type[Any]) -> Any:
+    """The value, or the default one of its kind; TypeError where it is of another kind."""
+    if value is not None and not isinstance(value, kind):
+        raise TypeError(f"{name}: {value!r}, wanted fgenv.envs.{kind.__name__}")
+    return kind() if value is None else value
 
 
 def seeds_of(seed: int | Sequence[int], n: int) -> NDArray[np.int64]:
