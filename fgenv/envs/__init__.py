@@ -7,7 +7,21 @@
 """
 
 from .observations import Observation, Part
+from .record import Record, RecordError
+from .recorder import Recorder
 from .rewards import TERMS, Reward
 from .simulator import Simulator, Step
+from .view import View
 
-__all__ = ["TERMS", "Observation", "Part", "Reward", "Simulator", "Step"]
+__all__ = [
+    "TERMS",
+    "Observation",
+    "Part",
+    "Record",
+    "RecordError",
+    "Recorder",
+    "Reward",
+    "Simulator",
+    "Step",
+    "View",
+]
