@@ -7,7 +7,7 @@ import pytest
 from runs import DRIVES, alone
 
 from fgenv.agents import POLICIES, GoTo, RandomPolicy, policy_of, run_episode
-from fgenv.envs import Observation, Simulator, View
+from fgenv.envs import Simulator, View
 from fgenv.metrics import Results
 
 MODES = ("drive", "way_points")
@@ -130,22 +130,3 @@ def test_wrong_targets_are_told(mode: str) -> None:
         view.toward(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="targets"):
         view.toward(np.full((1, 2, 3), np.nan))
-
-
-@pytest.mark.parametrize("bad", [np.full((1, 2, 2), np.nan), np.zeros((1, 3, 2)), np.zeros(2)])
-def test_bad_actions_leave_the_simulator_as_it_was(bad: np.ndarray) -> None:
-    simulator = Simulator("swap", n=2, autoreset=False)
-    simulator.reset(seed=0)
-    before = simulator.state()
-    with pytest.raises(ValueError, match="actions"):
-        simulator.step(bad)
-    assert simulator.state() == before
-
-
-def test_a_robot_that_would_observe_nothing_is_refused() -> None:
-    blind = Observation(goal=False, velocity=False, lidar=False)
-    with pytest.raises(ValueError, match="observation: 'robot 1' observes nothing"):
-        Simulator("swap", n=1, observation=blind)
-    assert Simulator("swap", n=2, observation=blind).reset(seed=0).shape == (1, 2, 7)
-    with pytest.raises(TypeError, match=r"observation: 3, wanted fgenv.envs.Observation"):
-        Simulator("swap", observation=3)  # type: ignore[arg-type]

@@ -257,8 +257,7 @@ class Simulator:
             RuntimeError: before the first reset, or after the end without autoreset. Nothing
                 has changed then.
         """
-        if not self._begun:
-            raise RuntimeError("step: before the first reset, call reset()")
+        self._ready("step")
         if not self.autoreset and self._over.any():
             over = int(self._over.argmax())
             raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
@@ -277,14 +276,17 @@ class Simulator:
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
         """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
+        self._ready("place")
         self._core.place(world, robot, start, goal)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
+        self._ready("set_path")
         self._core.set_path(world, robot, path)
 
     def observe(self) -> Rows:
         """Observations as they are, (worlds, robots, size)."""
+        self._ready("observe")
         return self._core.observe(None, self.threads)
 
     def toward(self, targets: ArrayLike) -> Floats:
@@ -292,12 +294,17 @@ class Simulator:
 
         They slow down in time, turn or steer as the drive has to, and look at no obstacle.
         """
+        self._ready("toward")
         return self._core.toward(targets)
 
     def sample(self, rng: np.random.Generator | None = None) -> Floats:
         """Random actions, uniform in [-1, 1], (worlds, robots, size)."""
         shape = (self.n_worlds, self.n_robots, self.action_size)
         return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
+
+    def _ready(self, what: str) -> None:
+        if not self._begun:
+            raise RuntimeError(f"{what}: before the first reset, call reset()")
 
     def _has(self, world: int) -> None:
         if not 0 <= world < self.n_worlds:
@@ -311,7 +318,7 @@ class Simulator:
             if which.shape != (self.n_worlds,):
                 raise ValueError(f"worlds: a mask of shape {which.shape}, wanted {self.n_worlds},")
             return np.flatnonzero(which)
-        return np.atleast_1d(which)
+        return np.atleast_1d(which) if which.size else np.empty(0, dtype=np.int64)
 
     # State, (worlds, robots, ...) or (worlds,)
 
@@ -461,6 +468,7 @@ class Simulator:
 
     def state(self) -> bytes:
         """All that the further course depends on, for `set_state` of an equal simulator."""
+        self._ready("state")
         return self._core.state()
 
     def set_state(self, state: bytes) -> None:
@@ -472,7 +480,9 @@ class Simulator:
         self._begun = False
         self._core.set_state(state)
         self._begun = True
-        self._over[:] = False
+        self._over = (self.status != MOVING).all(axis=1) | (self.steps >= self.horizon)
+        if self.scenario.on_collision == "terminate":
+            self._over |= (self.hits >= 0).any(axis=1)
 
     def __getstate__(self) -> dict[str, Any]:
         left_out = {"_core", "_like", *CACHED}
