@@ -5,23 +5,19 @@ from __future__ import annotations
 import json
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fgenv.cli.movie import MOST_FPS, draw, progress
 from fgenv.cli.scenarios import is_file
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import Progress
 
     from fgenv.envs import Record, Simulator
-
-MOST_FPS = 25.0  # of a movie, if not told
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,7 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
         typer.echo(json.dumps(facts(record, results, seconds, notes, written), indent=1))
     else:
         for path in written:
-            console.print(f"written: {path}, {Path(path).stat().st_size:,} bytes", soft_wrap=True)
+            typer.echo(f"written: {path}, {Path(path).stat().st_size:,} bytes")
     if interrupted:
         raise KeyboardInterrupt
 
@@ -136,29 +132,3 @@ def episode(
             if not recorder.begun:
                 raise
             return recorder.record(), True
-
-
-def draw(record: Record, path: Path, fps: float | None, console: Console) -> None:
-    """The movie of a record, in real time."""
-    from fgenv.view.frames import frames_of, steps_shown
-    from fgenv.view.movie import frame_seconds, write_movie
-
-    wanted = min(fps or MOST_FPS, 1 / record.dt)
-    seconds = frame_seconds(path, wanted)
-    steps = steps_shown(record, seconds)
-    with progress(console) as bar:
-        task = bar.add_task("drawing", total=len(steps))
-        frames = bar.track(frames_of(record, steps), task_id=task, total=len(steps))
-        write_movie(path, frames, 1 / seconds)
-
-
-@contextmanager
-def progress(console: Console) -> Iterator[Progress]:
-    """A bar that is gone in the end, on stderr if stdout is for a machine."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as Left
-
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Left()
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        yield bar

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
@@ -27,14 +28,14 @@ def tell(
 ) -> None:
     """A table with a row for each robot, and what is said of all."""
     scenario = record.scenario
-    title = f"{scenario.name}, seed {record.about['seed']}, by {record.policy}"
+    title = escape(f"{scenario.name}, seed {record.about['seed']}, by {record.policy}")
     table = Table(title=title, box=None, title_justify="left")
     table.add_column("robot")
     for name in COLUMNS:
         table.add_column(name, justify="right", no_wrap=True)
     for robot in results.robots:
         table.add_row(
-            robot.name,
+            escape(robot.name),
             "[green]yes[/]" if robot.success else "[red]no[/]",
             number(robot.arrival, 1),
             str(robot.collisions),
