@@ -18,6 +18,7 @@ EPILOG = """
   fgenv run three_tanks                   the published experiment
   fgenv run three_tanks --mesh robot.stl  the same with your own robot
   fgenv run three_tanks --json            for a machine to read
+  fgenv run swap --policy goto --n 4 --movie swap.gif --record swap.npz
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file

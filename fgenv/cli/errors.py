@@ -17,6 +17,7 @@ EXTRA_OF = {
     "fcl": "bench",
     "gymnasium_robotics": "bench",
     "hppfcl": "bench",
+    "imageio_ffmpeg": "view",
     "matplotlib": "view",
     "mpe2": "bench",
     "mujoco": "bench",

@@ -1,86 +1,168 @@
-"""``fgenv run``: the published experiment, told as it happens."""
+"""``fgenv run``: an episode of a scenario; or the published experiment, told as it happens."""
 
 from __future__ import annotations
 
-import json
-import warnings
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fgenv.cli.errors import FAILED_CHECK
-from fgenv.cli.options import Json, Out, Seed
+from fgenv.cli.options import Json, Seed
+from fgenv.cli.scenarios import given, target
+
+PUBLISHED = "three_tanks"  # without --policy
+OF_THE_EXPERIMENT = ("mesh", "scale", "step", "out", "pictures")
+OF_AN_EPISODE = ("n", "size", "set", "steps", "record", "movie", "fps")
+EPISODE, EXPERIMENT = "An episode", "The published experiment"  # panels of the help
 
 
-class Scenario(StrEnum):
-    """What to run."""
+def names(incomplete: str) -> list[str]:
+    """Built-in scenarios, for tab completion."""
+    from fgenv.scenarios.library import ENTRIES
 
-    THREE_TANKS = "three_tanks"
+    return [name for name in ENTRIES if name.startswith(incomplete)]
+
+
+def policies(incomplete: str) -> list[str]:
+    """Policies, for tab completion."""
+    from fgenv.agents import POLICIES
+
+    return [name for name in POLICIES if name.startswith(incomplete)]
 
 
 def run(
+    context: typer.Context,
     scenario: Annotated[
-        Scenario, typer.Argument(help="three_tanks: one mobile robot, three tanks in its way.")
+        str,
+        typer.Argument(
+            help="A built-in scenario (see fgenv scenarios), a scenario file, or a frozen set.",
+            autocompletion=names,
+        ),
     ],
+    policy: Annotated[
+        str | None,
+        typer.Option(
+            "--policy",
+            help="What acts: goto, random or rest.",
+            show_default="goto; of three_tanks the published experiment",
+            autocompletion=policies,
+        ),
+    ] = None,
+    n: Annotated[
+        int | None, typer.Option("--n", min=1, help="Robots.", rich_help_panel=EPISODE)
+    ] = None,
+    size: Annotated[
+        float | None,
+        typer.Option("--size", help="Metres; see the scenario.", rich_help_panel=EPISODE),
+    ] = None,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="What is the scenario's own: jitter=0.1.",
+            rich_help_panel=EPISODE,
+        ),
+    ] = None,
+    steps: Annotated[
+        int | None,
+        typer.Option(
+            "--steps", min=1, help="At most.", show_default="the horizon", rich_help_panel=EPISODE
+        ),
+    ] = None,
+    record: Annotated[
+        Path | None,
+        target("--record", "Write what happened (.npz), to be run again.", EPISODE),
+    ] = None,
+    movie: Annotated[
+        Path | None, target("--movie", "Write a movie in real time (.gif, .mp4).", EPISODE)
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            "--fps",
+            min=0.1,
+            max=100.0,
+            help="Frames of the movie in a second, no more than there are steps.",
+            show_default="25 at most",
+            rich_help_panel=EPISODE,
+        ),
+    ] = None,
     mesh: Annotated[
         Path | None,
         typer.Option(
             "--mesh",
             show_default="the built-in robot",
             help="Your own robot: STL, OBJ, PLY, OFF, GLB or DAE, z up, x forward.",
+            rich_help_panel=EXPERIMENT,
         ),
     ] = None,
     scale: Annotated[
-        float, typer.Option("--scale", help="Factor of the mesh to metres; 0.001 for millimetres.")
+        float,
+        typer.Option(
+            "--scale",
+            help="Factor of the mesh to metres; 0.001 for millimetres.",
+            rich_help_panel=EXPERIMENT,
+        ),
     ] = 1.0,
     step: Annotated[
-        float, typer.Option("--step", help="Metres that the robot moves between two tests.")
+        float,
+        typer.Option(
+            "--step",
+            help="Metres that the robot moves between two tests.",
+            rich_help_panel=EXPERIMENT,
+        ),
     ] = 0.01,
-    out: Out = Path("out/three_tanks"),
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            file_okay=False,
+            help="Folder for the figures; made if missing.",
+            rich_help_panel=EXPERIMENT,
+        ),
+    ] = Path("out/three_tanks"),
     pictures: Annotated[
-        bool, typer.Option("--pictures/--no-pictures", help="Draw the paper's figures.")
+        bool,
+        typer.Option(
+            "--pictures/--no-pictures",
+            help="Draw the paper's figures.",
+            rich_help_panel=EXPERIMENT,
+        ),
     ] = True,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Run the published experiment and say whether it came out as published.
+    """Run an episode of a scenario and say how each robot did.
 
-    The robot takes the straight path to its goal. Its motion box sets the
-    collision masks. The collision with tank 2 is found by its feature graph
-    and announced as it happens; the masks return to 0. Then OMPL's RRTConnect
-    plans a path around it, which is driven to the goal.
+    A robot succeeds if it comes to its goal and meets nothing. --record keeps
+    the run to be looked at and run again, bit for bit; --movie shows it.
+    Interrupted by Ctrl-C, what there is by then is told and recorded.
 
-    Exit code 0 if all came out as published, 1 if not.
+    three_tanks without --policy is the published experiment: the robot takes
+    the straight path to its goal. Its motion box sets the collision masks. The
+    collision with tank 2 is found by its feature graph and announced as it
+    happens; the masks return to 0. Then OMPL's RRTConnect plans a path around
+    it, which is driven to the goal. Exit code 0 if all came out as published,
+    1 if not; of an episode 0, however it ended.
     """
-    from rich.console import Console
+    if scenario == PUBLISHED and policy is None:
+        refuse(context, OF_AN_EPISODE, "wanted with --policy, such as --policy goto")
+        from fgenv.cli.experiment import run_published
 
-    from fgenv.agents import facts, run_experiment
-    from fgenv.cli.account import Account
-    from fgenv.scenarios import three_tanks
-    from fgenv.view.figures import FIGURES, draw_figures
+        run_published(mesh, scale, step, out, pictures, seed, as_json)
+        return
+    refuse(context, OF_THE_EXPERIMENT, "is of fgenv run three_tanks, without --policy")
+    from fgenv.cli.episode import Wanted, run_scenario
 
-    if not 0 < step <= 1:
-        raise ValueError(f"--step: got {step}, want metres, above 0 and not above 1")
-    if not 0 < scale < float("inf"):
-        raise ValueError(f"--scale: got {scale}, want a factor above 0")
-    account = Account(Console(stderr=as_json, highlight=False))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene = three_tanks(mesh, scale=scale)
-    account.begin(scene, seed, [str(warning.message) for warning in caught])
-    with account.console.status("driving"):
-        experiment = run_experiment(scene, seed=seed, step=step, report=account.tell)
-    account.end(experiment)
-    written: list[str] = []
-    if pictures:
-        with account.console.status("drawing") as status:
-            for path in draw_figures(experiment, out):
-                written.append(str(path))
-                status.update(f"drawing, {len(written)} of {len(FIGURES)} done")
-        account.console.print(f"{len(written)} pictures in {out}/")
-    if as_json:
-        typer.echo(json.dumps(facts(experiment, written), indent=1))
-    if not experiment.as_published:
-        raise typer.Exit(FAILED_CHECK)
+    overrides = given(n, size, set or [])
+    wanted = Wanted(scenario, policy or "goto", overrides, seed, steps, record, movie, fps)
+    run_scenario(context, wanted, as_json)
+
+
+def refuse(context: typer.Context, options: tuple[str, ...], why: str) -> None:
+    """ValueError where one of these options was given."""
+    for name in options:
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise ValueError(f"--{name}: {why}")

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 File = Path | None
 
 
-def target(name: str, text: str) -> Any:
+def target(name: str, text: str, panel: str | None = None) -> Any:
     """An option that names a file to write."""
-    return typer.Option(name, dir_okay=False, help=text)
+    return typer.Option(name, dir_okay=False, help=text, rich_help_panel=panel)
 
 
 def scenarios(

@@ -12,6 +12,8 @@ from .aec import FleetAECEnv, env
 from .observations import Observation, Part
 from .others import Policy
 from .parallel import FleetParallelEnv, parallel_env
+from .record import Record, RecordError
+from .recorder import Recorder
 from .registration import register
 from .rewards import TERMS, Reward
 from .simulator import Collision, Simulator, Step
@@ -29,6 +31,9 @@ __all__ = [
     "Observation",
     "Part",
     "Policy",
+    "Record",
+    "RecordError",
+    "Recorder",
     "Reward",
     "Simulator",
     "Step",

@@ -43,13 +43,19 @@ def agents(world: World, built: Built, cases: Cases, observation: Observation) -
     """The robots of a world that was built so, in their order.
 
     Raises:
-        ValueError: a robot has no drive, or one that the simulator does not know.
+        ValueError: a robot has no drive, or one that the simulator does not know; or observes
+            nothing.
     """
     found = []
+    plain = ("goal", "velocity", "configuration", "path_hint")
+    others = min(observation.neighbours, len(built.robots) - 1)
+    sees = others > 0 or any(getattr(observation, name) for name in plain)
     for i, robot in enumerate(built.robots):
         spec = built.scenario.robots[i]
         lidar = lidar_of(built.scenario.models[spec.model].lidar, observation)
         kind, wheelbase = drive_of(robot)
+        if not sees and lidar is None:
+            raise ValueError(f"observation: {robot.name!r} observes nothing, wanted one part on")
         found.append(
             _core.Agent(
                 world._core,

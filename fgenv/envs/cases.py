@@ -21,12 +21,14 @@ class Cases:
     Attributes:
         stands: places of those bodies in `Built.shapes`.
         poses: theirs, (cases, len(stands), 4, 4).
+        several: the set that they are of; None: there is one case.
     """
 
     starts: tuple[Floats, ...]
     goals: tuple[Floats, ...]
     stands: tuple[int, ...] = ()
     poses: Floats | None = None
+    several: FrozenSet | None = None
 
     def __len__(self) -> int:
         return len(self.starts[0])
@@ -43,9 +45,9 @@ class Cases:
         )
         moved = np.flatnonzero((several.bodies != several.bodies[0]).any(axis=(0, 2)))
         if len(moved) == 0:
-            return cls(starts, goals)
+            return cls(starts, goals, several=several)
         each = [[case.bodies[k].pose for k in moved] for case in several]
-        return cls(starts, goals, tuple(moved.tolist()), np.array(each))
+        return cls(starts, goals, tuple(moved.tolist()), np.array(each), several)
 
 
 def scenario_of(

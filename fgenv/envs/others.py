@@ -19,27 +19,17 @@ Rows = NDArray[np.float32]
 
 @runtime_checkable
 class Policy(Protocol):
-    """Tells robots what to do."""
+    """Decides on the actions of all robots in all worlds at once."""
 
     def reset(self, view: View) -> None:
-        """Episodes begin; the view shows them from now on."""
+        """Episodes begin; the view may be kept, it follows the simulator."""
 
     def act(self, observations: Rows) -> Any:
-        """Actions (worlds, robots, action size) for observations (worlds, robots, size)."""
+        """Actions (worlds, robots, action_size) in [-1, 1], beyond is clipped.
 
-
-class Rest:
-    """Everybody stays where they are."""
-
-    def reset(self, view: View) -> None:
-        """See `Policy`."""
-        self._view = view
-
-    def act(self, observations: Rows) -> Any:
-        """See `Policy`; 0 is the middle of a drive's limits, which need not be rest."""
-        still = self._view.toward(self._view.configurations)
-        wanted = (*observations.shape[:2], self._view.action_size)
-        return still if still.shape == wanted else np.zeros(wanted)  # a way point: here
+        Args:
+            observations: (worlds, robots, size) float32; `view.layouts` tells their parts.
+        """
 
 
 class Called:
@@ -63,8 +53,6 @@ def policy_of(others: Any, seed: int = 0) -> Policy:
         TypeError, ValueError: it is none.
     """
     if isinstance(others, str):
-        if others == "rest":
-            return Rest()
         agents: Any = importlib.import_module("fgenv.agents")  # it stands on this package
         found: Policy = agents.policy_of(others, seed)
         return found

@@ -118,14 +118,16 @@ class Simulator:
         whole = isinstance(max_steps, int) and not isinstance(max_steps, bool)
         if max_steps is not None and not (whole and 1 <= max_steps < 2**62):
             raise ValueError(f"max_steps: {max_steps!r}, wanted a whole number over 0, or None")
-        if not 0 < way_point_seconds <= 1e3:
+        number = isinstance(way_point_seconds, (int, float))
+        if not number or not 0 < way_point_seconds <= 1e3:
             raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
         if not 1e-9 <= tolerance <= 0.1:
             raise ValueError(f"tolerance: {tolerance!r}, wanted metres, 1e-9 to 0.1")
         self.scenario, several = scenario_of(scenario, cases, overrides)
         if not self.scenario.robots:
             raise ValueError(f"scenario: {self.scenario.name!r} has no robots, wanted one at least")
-        self.observation, self.reward = observation or Observation(), reward or Reward()
+        self.observation: Observation = given(observation, "observation", Observation)
+        self.reward: Reward = given(reward, "reward", Reward)
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
         self.clearance, self.tolerance = clearance, tolerance
         self.autoreset, self.threads = autoreset, threads
@@ -273,7 +275,7 @@ class Simulator:
             RuntimeError: before the first reset, or after the end without autoreset. Nothing
                 has changed then.
         """
-        self._check_begun("step")
+        self._ready("step")
         if not self.autoreset and self._over.any():
             over = int(self._over.argmax())
             raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
@@ -292,17 +294,17 @@ class Simulator:
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
         """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
-        self._check_begun("place")
+        self._ready("place")
         self._core.place(world, robot, start, goal)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
-        self._check_begun("set_path")
+        self._ready("set_path")
         self._core.set_path(world, robot, path)
 
     def observe(self) -> Rows:
         """Observations as they are, (worlds, robots, size)."""
-        self._check_begun("observe")
+        self._ready("observe")
         return self._core.observe(None, self.threads)
 
     def toward(self, targets: ArrayLike) -> Floats:
@@ -310,7 +312,7 @@ class Simulator:
 
         They slow down in time, turn or steer as the drive has to, and look at no obstacle.
         """
-        self._check_begun("toward")
+        self._ready("toward")
         return self._core.toward(targets)
 
     def sample(self, rng: np.random.Generator | None = None) -> Floats:
@@ -318,9 +320,13 @@ class Simulator:
         shape = (self.n_worlds, self.n_robots, self.action_size)
         return (rng or np.random.default_rng()).uniform(-1.0, 1.0, shape)
 
-    def _check_begun(self, call: str) -> None:
+    def _ready(self, what: str) -> None:
         if not self._begun:
-            raise RuntimeError(f"{call}: before the first reset, call reset()")
+            raise RuntimeError(f"{what}: before the first reset, call reset()")
+
+    def _has(self, world: int) -> None:
+        if not 0 <= world < self.n_worlds:
+            raise ValueError(f"world: {world}, wanted 0 to {self.n_worlds - 1}")
 
     def _worlds(self, worlds: ArrayLike | None) -> NDArray[np.int64]:
         if worlds is None:
@@ -330,7 +336,7 @@ class Simulator:
             if which.shape != (self.n_worlds,):
                 raise ValueError(f"worlds: a mask of shape {which.shape}, wanted {self.n_worlds},")
             return np.flatnonzero(which)
-        return np.atleast_1d(which)
+        return np.atleast_1d(which) if which.size else np.empty(0, dtype=np.int64)
 
     # State, (worlds, robots, ...) or (worlds,)
 
@@ -368,6 +374,11 @@ class Simulator:
     def seeds(self) -> NDArray[np.int64]:
         """(worlds,)."""
         return self._core.seeds()
+
+    @property
+    def case_numbers(self) -> NDArray[np.int64]:
+        """Which of `cases` the episode is, (worlds,)."""
+        return self._core.cases()
 
     @property
     def remaining(self) -> Floats:
@@ -413,12 +424,13 @@ class Simulator:
 
     def collisions(self, world: int = 0) -> list[Collision]:
         """Who met whom in the last step of a world."""
+        self._has(world)
         hits, robots = self.hits[world], self.hit_robots[world]
         times, points = self.hit_times[world], self.hit_points[world]
         return [
             Collision(
                 self.names[i],
-                self.names[robots[i]] if robots[i] >= 0 else self._body_names[int(hits[i])],
+                self.names[robots[i]] if robots[i] >= 0 else self.body_names[int(hits[i])],
                 bool(robots[i] >= 0),
                 float(times[i]),
                 points[i],
@@ -450,10 +462,11 @@ class Simulator:
 
     def world(self, world: int = 0) -> World:
         """A `World` with everything where it is now; it goes its own way from there."""
-        self._check_begun("world")
+        self._has(world)
+        self._ready("world")
         made = self._like.copy()
         ids = dict(zip(made.names, made.ids.tolist(), strict=True))
-        case = int(self._core.cases()[world])
+        case = int(self.case_numbers[world])
         for k, place in enumerate(self.cases.stands):
             assert self.cases.poses is not None
             made.set_pose(ids[self.built.names[place]], self.cases.poses[case, k])
@@ -466,14 +479,15 @@ class Simulator:
         return made
 
     @cached_property
-    def _body_names(self) -> dict[int, str]:
+    def body_names(self) -> dict[int, str]:
+        """Names of bodies, and of robots' parts, by id."""
         return dict(zip(self._like.ids.tolist(), self._like.names, strict=True))
 
     # Copies
 
     def state(self) -> bytes:
         """All that the further course depends on, for `set_state` of an equal simulator."""
-        self._check_begun("state")
+        self._ready("state")
         return self._core.state()
 
     def set_state(self, state: bytes) -> None:
@@ -485,7 +499,9 @@ class Simulator:
         self._begun = False
         self._core.set_state(state)
         self._begun = True
-        self._over[:] = False
+        self._over = (self.status != MOVING).all(axis=1) | (self.steps >= self.horizon)
+        if self.scenario.on_collision == "terminate":
+            self._over |= (self.hits >= 0).any(axis=1)
 
     def __getstate__(self) -> dict[str, Any]:
         left_out = {"_core", "_like", *CACHED}
@@ -516,13 +532,20 @@ class Simulator:
         return f"Simulator({self.scenario.name!r}: {self.n_worlds} worlds, {self.n_robots} robots)"
 
 
-CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "_body_names")
+CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "body_names")
 
 
 def chosen(value: str, name: str, known: tuple[str, ...]) -> None:
     """ValueError where a word is none of those known."""
     if value not in known:
         raise ValueError(f"{name}: {value!r}, wanted {' or '.join(known)}")
+
+
+def given(value: Any, name: str, kind: type[Any]) -> Any:
+    """The value, or the default one of its kind; TypeError where it is of another kind."""
+    if value is not None and not isinstance(value, kind):
+        raise TypeError(f"{name}: {value!r}, wanted fgenv.envs.{kind.__name__}")
+    return kind() if value is None else value
 
 
 def seeds_of(seed: int | Sequence[int], n: int) -> NDArray[np.int64]:

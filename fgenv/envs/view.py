@@ -1,4 +1,4 @@
-"""What a policy may see of a simulator."""
+"""What a policy sees of a simulator beside its observations: it looks, and changes nothing."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.collision import World
 from fgenv.robots import Robot
 
-from .simulator import MOVING
+from .observations import Part
+from .simulator import MOVING, Simulator
+from .way_points import way_points_toward
 
 if TYPE_CHECKING:
-    from .simulator import Simulator
-
-Floats = NDArray[np.float64]
+    from .simulator import Flags, Floats
 
 
 class View:
-    """Read-only: the robots, where they are and want to be, and copies of their worlds.
+    """A simulator, read-only. Arrays are copies; rows are as wide as the widest and end in zeros.
 
-    Arrays are copies, over (worlds, robots, ...).
+    It follows the simulator: what it says is of now, not of when it was made.
     """
 
     def __init__(self, simulator: Simulator) -> None:
@@ -29,7 +29,7 @@ class View:
 
     @property
     def n_worlds(self) -> int:
-        """How many."""
+        """How many are stepped at once."""
         return self._simulator.n_worlds
 
     @property
@@ -39,7 +39,7 @@ class View:
 
     @property
     def robots(self) -> tuple[Robot, ...]:
-        """With drive, limits and shapes."""
+        """With drive, limits and shapes; immutable."""
         return self._simulator.robots
 
     @property
@@ -53,14 +53,19 @@ class View:
         return self._simulator.dt
 
     @property
+    def horizon(self) -> int:
+        """Steps of an episode at most."""
+        return self._simulator.horizon
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """Of the episode so far, (worlds,)."""
+        return self._simulator.steps
+
+    @property
     def configurations(self) -> Floats:
         """(worlds, robots, nq)."""
         return self._simulator.configurations
-
-    @property
-    def velocities(self) -> Floats:
-        """What the drives do, in their units, (worlds, robots, numbers)."""
-        return self._simulator.velocities
 
     @property
     def goals(self) -> Floats:
@@ -68,19 +73,37 @@ class View:
         return self._simulator.goals
 
     @property
-    def moving(self) -> NDArray[np.bool_]:
-        """Who is on the way, (worlds, robots)."""
+    def velocities(self) -> Floats:
+        """What the drives do, in their units, (worlds, robots, numbers); see `Robot.actions`."""
+        return self._simulator.velocities
+
+    @property
+    def moving(self) -> Flags:
+        """Who is still on the way, (worlds, robots): not parked at its goal, and not gone."""
         return np.asarray(self._simulator.status == MOVING)
 
     @property
     def action_size(self) -> int:
-        """Numbers of an action; where robots differ, the most."""
+        """Numbers of the longest action."""
         return self._simulator.action_size
 
+    @property
+    def layouts(self) -> tuple[tuple[Part, ...], ...]:
+        """The parts of each robot's row of observations: name, slice, unit, frame, about."""
+        return self._simulator.layouts
+
     def toward(self, targets: ArrayLike) -> Floats:
-        """Actions of the drives that lead straight to configurations (worlds, robots, nq)."""
+        """Actions that lead straight to configurations (worlds, robots, nq); looks at no obstacle.
+
+        (worlds, robots, action_size), whichever kind of actions the simulator takes.
+
+        Raises:
+            ValueError: wrong shape, or a number that is not finite.
+        """
+        if self._simulator.actions == "way_points":
+            return way_points_toward(self._simulator, targets)
         return self._simulator.toward(targets)
 
-    def world(self, world: int = 0) -> World:
-        """A `World` with everything where it is now; it goes its own way from there."""
-        return self._simulator.world(world)
+    def world(self, k: int = 0) -> World:
+        """A copy of a world with everything where it is now."""
+        return self._simulator.world(k)

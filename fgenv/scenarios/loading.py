@@ -28,7 +28,10 @@ def load(source: str | Path, overrides: dict[str, Any]) -> Scenario:
     own = inspect.signature(entry.make).parameters
     unknown = [name for name in overrides if name not in own and name not in PLAIN]
     if unknown:
-        told = [Problem("is no known override", near(n, (*own, *PLAIN)), n) for n in unknown]
+        told = [
+            Problem("is no known override", near(n, dict.fromkeys((*own, *PLAIN))), n)
+            for n in unknown
+        ]
         raise ScenarioError(entry.name, told)
     try:
         scenario = entry.make(**{k: v for k, v in overrides.items() if k in own})
@@ -80,7 +83,10 @@ def overridden(scenario: Scenario, fields: dict[str, Any], own: Iterable[str]) -
     """The scenario with other plain fields."""
     unknown = [name for name in fields if name not in PLAIN]
     if unknown:
-        told = [Problem("is no known override", near(n, (*own, *PLAIN)), n) for n in unknown]
+        told = [
+            Problem("is no known override", near(n, dict.fromkeys((*own, *PLAIN))), n)
+            for n in unknown
+        ]
         raise ScenarioError(scenario.name, told)
     try:
         return scenario.replace(**fields) if fields else scenario

@@ -1,0 +1,134 @@
+"""An episode of a scenario by a policy, with progress, a table, a record and a movie."""
+
+from __future__ import annotations
+
+import json
+import time
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from fgenv.cli.movie import MOST_FPS, draw, progress
+from fgenv.cli.scenarios import is_file
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fgenv.envs import Record, Simulator
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks for."""
+
+    scenario: str
+    policy: str
+    overrides: dict[str, Any]
+    seed: int
+    steps: int | None
+    record: Path | None
+    movie: Path | None
+    fps: float | None
+
+
+def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
+    """Run it, and say how it went.
+
+    Raises:
+        KeyboardInterrupt: it was interrupted; what there was by then is told and recorded.
+    """
+    from rich.console import Console
+
+    from fgenv.agents import policy_of
+    from fgenv.cli.outcome import facts, tell
+    from fgenv.metrics import Results
+
+    console = Console(stderr=as_json, highlight=False)
+    targets(wanted)
+    policy = policy_of(wanted.policy, wanted.seed)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulator = simulator_of(context, wanted)
+    began = time.perf_counter()
+    record, interrupted = episode(simulator, policy, wanted, console)
+    seconds = time.perf_counter() - began
+    written = []
+    if wanted.record is not None:
+        record.save(wanted.record)
+        written.append(str(wanted.record))
+    results = Results.of(record)
+    notes = list(dict.fromkeys(str(warning.message) for warning in caught))
+    if not as_json:
+        tell(console, record, results, seconds, notes)
+    if wanted.movie is not None and not interrupted:
+        draw(record, wanted.movie, wanted.fps, console)
+        written.append(str(wanted.movie))
+    if as_json:
+        typer.echo(json.dumps(facts(record, results, seconds, notes, written), indent=1))
+    else:
+        for path in written:
+            typer.echo(f"written: {path}, {Path(path).stat().st_size:,} bytes")
+    if interrupted:
+        raise KeyboardInterrupt
+
+
+def targets(wanted: Wanted) -> None:
+    """What would only be told after the run is told now: files that cannot be written."""
+    from fgenv.view.movie import frame_seconds
+
+    if wanted.record is not None and wanted.record.suffix != ".npz":
+        raise ValueError(f"--record: {wanted.record}, wanted a name that ends in .npz")
+    if wanted.movie is not None:
+        frame_seconds(wanted.movie, wanted.fps or MOST_FPS)
+    elif wanted.fps is not None:
+        raise ValueError("--fps: is of a movie, wanted with --movie")
+    for path in (wanted.record, wanted.movie):
+        if path is not None and not path.parent.is_dir():
+            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+
+
+def simulator_of(context: typer.Context, wanted: Wanted) -> Simulator:
+    """The simulator, with one world."""
+    from fgenv.envs import Simulator
+    from fgenv.scenarios.library import ENTRIES
+
+    name, overrides = wanted.scenario, dict(wanted.overrides)
+    of_file = is_file(name) or Path(name).suffix == ".npz"
+    if not of_file and name not in ENTRIES:
+        from fgenv.scenarios.trouble import near
+
+        told = f"{name!r} is no built-in scenario; {near(name, ENTRIES)} (a file ends in .yaml)"
+        raise typer.BadParameter(told, ctx=context, param_hint="SCENARIO")
+    if not of_file or (wanted.seed != 0 and Path(name).suffix != ".npz"):
+        overrides.setdefault("seed", wanted.seed)
+    return Simulator(name, clearance=True, autoreset=False, **overrides)
+
+
+def episode(
+    simulator: Simulator, policy: Any, wanted: Wanted, console: Console
+) -> tuple[Record, bool]:
+    """The record, and whether it was interrupted."""
+    from fgenv.agents import run_episode
+    from fgenv.envs import Recorder
+
+    recorder = Recorder(wanted.policy)
+    most = min(wanted.steps or simulator.horizon, simulator.horizon)
+    with progress(console) as bar:
+        task = bar.add_task(f"{simulator.scenario.name}, {wanted.policy}", total=most)
+        try:
+            record = run_episode(
+                simulator,
+                policy,
+                seed=wanted.seed,
+                steps=most,
+                recorder=recorder,
+                progress=lambda done: bar.update(task, completed=done),
+            )
+            return record, False
+        except KeyboardInterrupt:
+            if not recorder.begun:
+                raise
+            return recorder.record(), True

@@ -1,0 +1,152 @@
+"""Taking a record while a simulator steps."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fgenv import __version__
+from fgenv.scenarios import Scenario
+from fgenv.scenarios.build import urdf_path
+from fgenv.scenarios.forms import MeshFile
+
+from .record import ARRAYS, BEFORE, Record
+
+if TYPE_CHECKING:
+    from .simulator import Simulator, Step
+
+SEEN = ("configurations", "status", "hits", "hit_robots", "hit_times", "hit_points", "clearances")
+
+
+class Recorder:
+    """Records an episode of one world.
+
+    >>> recorder = Recorder(policy="mine")
+    >>> simulator.reset(seed=0)
+    >>> recorder.begin(simulator)
+    >>> recorder.add(actions, simulator.step(actions))        # after each step
+    >>> recorder.record().save("run.npz")                     # at any time
+    """
+
+    def __init__(self, policy: str = "") -> None:
+        self.policy = policy
+        self._rows: list[dict[str, Any]] = []
+        self._simulator: Simulator | None = None
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is anything to take a record of."""
+        return self._simulator is not None
+
+    def begin(self, simulator: Simulator, world: int = 0) -> None:
+        """Begin with the episode that this world is at the start of; what was there is dropped.
+
+        Raises:
+            ValueError: the simulator resets by itself, the episode has begun, or no such world.
+        """
+        if not 0 <= world < simulator.n_worlds:
+            raise ValueError(f"world: {world}, wanted 0 to {simulator.n_worlds - 1}")
+        if simulator.autoreset:
+            raise ValueError("simulator: it resets by itself, wanted autoreset=False to record it")
+        if simulator.steps[world] != 0 or simulator.episodes[world] < 0:
+            raise ValueError("simulator: wanted at the start of an episode, call reset()")
+        self._simulator, self._world, self._rows = simulator, world, []
+        self._ended = "stopped"
+        self._first = {name: getattr(simulator, name)[world] for name in BEFORE}
+        self._scenario = with_hashes(scenario_of_episode(simulator, world))
+        self._about = about(simulator, world, self.policy)
+
+    def add(self, actions: ArrayLike, step: Step) -> None:
+        """Add the step that the simulator has just made with these actions.
+
+        Raises:
+            RuntimeError: `begin` was not called, or a step was left out.
+        """
+        simulator, world = self._simulator, self._world if self._simulator else 0
+        if simulator is None or simulator.steps[world] != len(self._rows) + 1:
+            raise RuntimeError("recorder: wanted begin() after each reset, and add() for each step")
+        row = {name: getattr(simulator, name)[world] for name in SEEN}
+        row["actions"] = np.array(actions, dtype=np.float64)[world]
+        row["rewards"] = step.rewards[world].copy()
+        self._rows.append(row)
+        if step.terminated[world] or step.truncated[world]:
+            self._ended = "terminated" if step.terminated[world] else "truncated"
+
+    def record(self) -> Record:
+        """What was recorded so far.
+
+        Raises:
+            RuntimeError: `begin` was not called.
+        """
+        if self._simulator is None:
+            raise RuntimeError("recorder: nothing is recorded, call begin() after a reset")
+        n, size = self._simulator.n_robots, self._simulator.action_size
+        tails = {"actions": (n, size), "hit_points": (n, 3)}
+        arrays = {}
+        for name, dtype in ARRAYS.items():
+            rows = [row[name] for row in self._rows]
+            if name in BEFORE:
+                rows.insert(0, self._first[name])
+            empty = np.empty((0, *tails.get(name, (n,))), dtype=dtype)
+            arrays[name] = np.array(rows, dtype=dtype) if rows else empty
+        return Record(self._scenario, {**self._about, "ended": self._ended}, arrays)
+
+
+def scenario_of_episode(simulator: Simulator, world: int = 0) -> Scenario:
+    """The scenario with starts, goals and bodies as a world's episode has them."""
+    scenario, several = simulator.scenario, simulator.cases.several
+    if several is not None:
+        case = several[int(simulator.case_numbers[world])]
+        scenario = case.at(scenario.folder)
+    starts, goals = simulator.configurations[world], simulator.goals[world]
+    robots = tuple(
+        spec.model_copy(update={"start": tuple(q[:nq].tolist()), "goal": tuple(g[:nq].tolist())})
+        for spec, q, g, nq in zip(
+            scenario.robots, starts, goals, (r.nq for r in simulator.robots), strict=True
+        )
+    )
+    return scenario.model_copy(update={"robots": robots}).at(scenario.folder)
+
+
+def with_hashes(scenario: Scenario) -> Scenario:
+    """The scenario, each mesh file with the hash of its bytes."""
+    shapes = {
+        name: form.model_copy(update={"sha256": sha256(form.path(scenario.folder))})
+        if isinstance(form, MeshFile)
+        else form
+        for name, form in scenario.shapes.items()
+    }
+    return scenario.model_copy(update={"shapes": shapes}).at(scenario.folder)
+
+
+def urdf_hashes(scenario: Scenario) -> dict[str, str]:
+    """The hash of each model's URDF file."""
+    return {
+        name: sha256(urdf_path(model.urdf, scenario.folder))
+        for name, model in scenario.models.items()
+        if model.urdf is not None
+    }
+
+
+def sha256(path: Any) -> str:
+    """Of a file's bytes."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def about(simulator: Simulator, world: int, policy: str) -> dict[str, Any]:
+    """What a record says beside the scenario."""
+    return {
+        "policy": policy,
+        "seed": int(simulator.seeds[world]),
+        "episode": int(simulator.episodes[world]),
+        "actions": simulator.actions,
+        "way_point_seconds": float(simulator.way_point_seconds),
+        "dt": simulator.dt,
+        "names": {str(body): name for body, name in simulator.body_names.items()},
+        "urdf": urdf_hashes(simulator.scenario),
+        "versions": {"fgenv": __version__, "numpy": np.__version__},
+    }
