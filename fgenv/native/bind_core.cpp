@@ -11,4 +11,5 @@ NB_MODULE(_core, m) {
     fgenv::bind_queries(m);
     fgenv::bind_world(m);
     fgenv::bind_robot(m);
+    fgenv::bind_picture(m);
 }

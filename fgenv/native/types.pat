@@ -158,3 +158,15 @@ fgenv._core.Robot.link_motion$:
 fgenv._core.sin_cos$:
     def sin_cos(angles: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         \doc
+
+fgenv._core.Painter.__init__$:
+    def __init__(self, shapes: Sequence[Shape], maps: Sequence[ArrayLike | None], which: Sequence[int], colors: ArrayLike) -> None: ...
+
+fgenv._core.Painter.set_light$:
+    def set_light(self, sun: ArrayLike, strength: float, ambient: ArrayLike, sky: ArrayLike) -> None: ...
+
+fgenv._core.Painter.set_floor$:
+    def set_floor(self, height: float, grid: float, fade: float, color: ArrayLike) -> None: ...
+
+fgenv._core.Painter.paint$:
+    def paint(self, poses: ArrayLike, eye: ArrayLike, axes: ArrayLike, pixels_per_slope: float, width: int, height: int, marks: ArrayLike, samples: int, contrast: float, threads: int | None) -> NDArray[uint8]: ...
