@@ -177,6 +177,17 @@ def test_the_overview_sees_all_of_the_first_picture_and_stays() -> None:
     assert Painter([], [], width=30, height=20).paint(HERE[:0]).shape == (20, 30, 3)
 
 
+def test_a_floor_does_not_fade_before_what_a_far_camera_looks_at() -> None:
+    far = Camera((0.0, -200.0, 100.0), (0.0, 0.0, 0.0), 0.6, 40, 30)
+    near = Camera((0.0, -4.0, 2.0), (0.0, 0.0, 0.0), 0.6, 40, 30)
+    plain = Floor(color=BLACK)
+    there, here = (Painter([], [], c, floor=plain).paint(HERE[:0]) for c in (far, near))
+    assert (here[15] < 40).all()
+    assert (there[15] < 130).all()
+    told = Painter([], [], far, floor=Floor(color=BLACK, fade=41.0)).paint(HERE[:0])
+    assert (told[15] > 200).all()
+
+
 # The same everywhere -----------------------------------------------------------------------------
 
 

@@ -54,15 +54,24 @@ struct Painter {
     Scene scene;
 };
 
+Lighting light_of(nb::handle sun, double strength, nb::handle ambient, nb::handle sky) {
+    const std::vector<Vec3> to = vectors(sun, "sun", 1), around = vectors(ambient, "ambient", 2),
+                            seen = vectors(sky, "sky", 2);
+    if (to[0] == Vec3{0, 0, 0}) fail("sun: a direction of length 0");
+    if (!std::isfinite(strength)) fail("strength: " + number(strength) + ", wanted a finite number");
+    return {unit(to[0]), strength, around[0], around[1], seen[0], seen[1]};
+}
+
 void make_painter(Painter* self, const std::vector<std::shared_ptr<Shape>>& shapes, nb::sequence maps,
-                  const std::vector<int64_t>& which, nb::handle colors) {
+                  const std::vector<int64_t>& which, nb::handle colors, nb::handle sun, double strength,
+                  nb::handle ambient, nb::handle sky) {
     if (nb::len(maps) != shapes.size()) fail("maps: wanted one for each shape, or None");
     std::vector<std::shared_ptr<const NormalMaps>> read;
     for (size_t i = 0; i < shapes.size(); ++i) {
         if (!shapes[i]) throw nb::type_error("shapes: None, wanted Shapes");
         read.push_back(maps_of(maps[i], *shapes[i]));
     }
-    Painter painter{};
+    Painter painter{{{}, light_of(sun, strength, ambient, sky)}};
     const int64_t n = static_cast<int64_t>(which.size());
     const std::vector<Vec3> color = n ? vectors(colors, "colors", n) : std::vector<Vec3>{};
     for (int64_t i = 0; i < n; ++i) {
@@ -72,19 +81,14 @@ void make_painter(Painter* self, const std::vector<std::shared_ptr<Shape>>& shap
     new (self) Painter(std::move(painter));
 }
 
-void set_light(Painter& self, nb::handle sun, double strength, nb::handle ambient, nb::handle sky) {
-    const std::vector<Vec3> to = vectors(sun, "sun", 1), around = vectors(ambient, "ambient", 2),
-                            seen = vectors(sky, "sky", 2);
-    if (to[0] == Vec3{0, 0, 0}) fail("sun: a direction of length 0");
-    if (!std::isfinite(strength)) fail("strength: " + number(strength) + ", wanted a finite number");
-    self.scene.light = {unit(to[0]), strength, around[0], around[1], seen[0], seen[1]};
-}
-
-void set_floor(Painter& self, double height, double grid, double fade, nb::handle color) {
-    if (!(std::fabs(height) <= farthest)) fail("floor: height " + number(height) + ", wanted at most 1e12 m");
-    self.scene.has_ground = true;
-    self.scene.ground = {height, positive(grid, "floor: grid"), positive(fade, "floor: fade"),
-                         vectors(color, "floor: color", 1)[0]};
+// Height, grid, fade, linear red, green, blue; or None.
+std::optional<Ground> ground_of(nb::handle value) {
+    if (value.is_none()) return std::nullopt;
+    const Array<double> array = doubles(value, "floor");
+    if (array.dims != Dims{6}) fail("floor: shape " + to_string(array.dims) + ", wanted (6,)");
+    const double* f = array.data();
+    if (!(std::fabs(f[0]) <= farthest)) fail("floor: height " + number(f[0]) + ", wanted at most 1e12 m");
+    return Ground{f[0], positive(f[1], "floor: grid"), positive(f[2], "floor: fade"), {f[3], f[4], f[5]}};
 }
 
 // Rows of x, y, radius, linear red, green, blue.
@@ -115,7 +119,7 @@ View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t w
 }
 
 nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::handle axes, double pixels_per_slope,
-                 int64_t width, int64_t height, nb::handle marks, int64_t samples, double contrast, nb::handle threads) {
+                 int64_t width, int64_t height, nb::handle floor, nb::handle marks, int64_t samples, double contrast, nb::handle threads) {
     const Poses array = poses(places, "poses");
     const int64_t n = static_cast<int64_t>(self.scene.bodies.size());
     if (array.dims != Dims{n})
@@ -123,8 +127,8 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
     if (samples < 1 || samples > most_samples)
         fail("samples: " + std::to_string(samples) + ", wanted 1 to " + std::to_string(most_samples));
     const int n_threads = threads_of(threads);
-    Picture picture(self.scene, array.all(), view_of(eye, axes, pixels_per_slope, width, height), marks_of(marks),
-                    {static_cast<int>(samples), contrast});
+    Picture picture(self.scene, array.all(), view_of(eye, axes, pixels_per_slope, width, height), ground_of(floor),
+                    marks_of(marks), {static_cast<int>(samples), contrast});
     Output<uint8_t> out = make_output<uint8_t>({height, width, 3});
     parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.look(a, b); }, chunk);
     parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.finish(a, b, out.data); }, chunk);
@@ -135,11 +139,10 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
 
 void bind_picture(nb::module_& m) {
     nb::class_<Painter>(m, "Painter")
-        .def("__init__", &make_painter, "shapes"_a, "maps"_a, "which"_a, "colors"_a)
-        .def("set_light", &set_light, "sun"_a, "strength"_a, "ambient"_a, "sky"_a)
-        .def("set_floor", &set_floor, "height"_a, "grid"_a, "fade"_a, "color"_a)
-        .def("paint", &paint, "poses"_a.none(), "eye"_a, "axes"_a, "pixels_per_slope"_a, "width"_a, "height"_a, "marks"_a,
-             "samples"_a, "contrast"_a, "threads"_a.none());
+        .def("__init__", &make_painter, "shapes"_a, "maps"_a, "which"_a, "colors"_a, "sun"_a, "strength"_a,
+             "ambient"_a, "sky"_a)
+        .def("paint", &paint, "poses"_a.none(), "eye"_a, "axes"_a, "pixels_per_slope"_a, "width"_a, "height"_a,
+             "floor"_a.none(), "marks"_a, "samples"_a, "contrast"_a, "threads"_a.none());
 }
 
 }  // namespace fgenv

@@ -13,10 +13,11 @@ void write(const SrgbTable& table, Vec3 light, uint8_t* out) {
 
 }  // namespace
 
-Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view, std::vector<Mark> marks,
-                 Antialiasing antialiasing)
-    : scene_(scene), view_(view), sun_(sun_frame(scene.light.sun)), marks_(std::move(marks)), antialiasing_(antialiasing),
-      slope_per_pixel_(1 / view.pixels_per_slope), per_grid_(1 / scene.ground.grid), per_fade_(1 / scene.ground.fade),
+Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
+                 const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing)
+    : scene_(scene), view_(view), sun_(sun_frame(scene.light.sun)), has_ground_(ground.has_value()),
+      ground_(ground.value_or(Ground{0, 1, 1, {0, 0, 0}})), marks_(std::move(marks)), antialiasing_(antialiasing),
+      slope_per_pixel_(1 / view.pixels_per_slope), per_grid_(1 / ground_.grid), per_fade_(1 / ground_.fade),
       columns_((view.width + side - 1) / side), rows_((view.height + side - 1) / side),
       pixels_(static_cast<size_t>(view.width) * view.height) {
     for (size_t i = 0; i < poses.size(); ++i)
@@ -27,7 +28,7 @@ Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View
         Vec3 corners[4];
         for (int k = 0; k < 4; ++k)
             corners[k] = {k & 1 ? m.x + m.radius : m.x - m.radius, k & 2 ? m.y + m.radius : m.y - m.radius,
-                          scene.ground.height};
+                          ground_.height};
         double nearest;
         mark_boxes_.push_back(pixel_box(view, corners, 4, nearest));
     }
@@ -76,15 +77,17 @@ void Picture::look(int64_t first, int64_t last) {
 }
 
 // Whether a pixel differs from one beside, above or below it. Not by the floor's lines and marks: those
-// are smooth as they are.
+// are smooth as they are; and on one body by more, as round surfaces do.
 bool Picture::rough(int x, int y) const {
     const Pixel& here = pixels_[static_cast<size_t>(y) * view_.width + x];
     const auto differs = [&](int i, int j) {
         if (i < 0 || j < 0 || i >= view_.width || j >= view_.height) return false;
         const Pixel& there = pixels_[static_cast<size_t>(j) * view_.width + i];
-        if (here.owner == there.owner && here.owner < 0) return false;
+        const bool same = here.owner == there.owner;
+        if (same && here.owner < 0) return false;
+        const double limit = (same ? 3 : 1) * antialiasing_.contrast;
         for (int k = 0; k < 3; ++k)
-            if (std::fabs(here.color[k] - there.color[k]) > antialiasing_.contrast) return true;
+            if (std::fabs(here.color[k] - there.color[k]) > limit) return true;
         return false;
     };
     return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) || differs(x, y + 1);

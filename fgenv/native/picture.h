@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "placed.h"
 #include "srgb.h"
@@ -39,8 +40,6 @@ struct Mark {
 struct Scene {
     std::vector<PaintedBody> bodies;
     Lighting light;
-    bool has_ground;
-    Ground ground;
 };
 
 struct Antialiasing {
@@ -51,8 +50,8 @@ struct Antialiasing {
 // One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread.
 class Picture {
 public:
-    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view, std::vector<Mark> marks,
-            Antialiasing antialiasing);
+    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
+            const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing);
 
     int64_t tiles() const { return static_cast<int64_t>(columns_) * rows_; }
     void look(int64_t first, int64_t last);
@@ -97,6 +96,8 @@ private:
     const Scene& scene_;
     View view_;
     SunFrame sun_;
+    bool has_ground_;
+    Ground ground_;
     std::vector<Placed> bodies_;  // nearest first
     std::vector<Mark> marks_;
     std::vector<PixelBox> mark_boxes_;

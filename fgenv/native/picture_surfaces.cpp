@@ -28,9 +28,9 @@ void Picture::see(const Bundle& bundle, Vec3 ray, Surface& out) const {
         if (body.nearest > sight.distance) break;
         look_at(body, index, ray, sight);
     }
-    if (scene_.has_ground && ray.z != 0) {
-        const double slant = 1 / ray.z, distance = (scene_.ground.height - view_.eye.z) * slant;
-        if (distance > 0 && distance < lesser(sight.distance, 4 * scene_.ground.fade))
+    if (has_ground_ && ray.z != 0) {
+        const double slant = 1 / ray.z, distance = (ground_.height - view_.eye.z) * slant;
+        if (distance > 0 && distance < lesser(sight.distance, 4 * ground_.fade))
             return see_ground(bundle, distance, slant, ray, out);
     }
     if (sight.body >= 0) see_body(bodies_[sight.body], sight, ray, out);
@@ -57,8 +57,8 @@ void Picture::see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface
 
 void Picture::see_ground(const Bundle& bundle, double distance, double slant, Vec3 ray, Surface& out) const {
     out.point = view_.eye + distance * ray;
-    out.point.z = scene_.ground.height;
-    out.normal = {0, 0, view_.eye.z > scene_.ground.height ? 1.0 : -1.0};
+    out.point.z = ground_.height;
+    out.normal = {0, 0, view_.eye.z > ground_.height ? 1.0 : -1.0};
     out.albedo = ground_albedo(bundle, out.point, ray, slant, distance * slope_per_pixel_);
     const double relative = distance * per_fade_;
     out.solid = decay(relative * relative);
@@ -68,16 +68,15 @@ void Picture::see_ground(const Bundle& bundle, double distance, double slant, Ve
 // The floor's colour with its grid and marks, seen by pixels of a width (metres) across the ray; slant is
 // 1 / ray.z.
 Vec3 Picture::ground_albedo(const Bundle& bundle, Vec3 point, Vec3 ray, double slant, double width) const {
-    const Ground& ground = scene_.ground;
-    const double half = 0.01 * ground.grid;  // of a line's width
+    const double half = 0.01 * ground_.grid;  // of a line's width
     const double blur = greater(half, width * std::fabs(slant)), per_blur = 1 / blur;
     double line = 0;
     for (int i = 0; i < 2; ++i) {
         const double across = coordinate(point, i) * per_grid_;
-        const double off = std::fabs(across - rounded(across)) * ground.grid;
+        const double off = std::fabs(across - rounded(across)) * ground_.grid;
         if (off < half + 0.5 * blur) line = greater(line, covered(half - off, per_blur) * (half * per_blur));
     }
-    Vec3 albedo = (1 - 0.3 * line) * ground.color;
+    Vec3 albedo = (1 - 0.3 * line) * ground_.color;
     for (int32_t index : bundle.marks) {
         const Mark& mark = marks_[index];
         const double x = point.x - mark.x, y = point.y - mark.y, far = greater(std::sqrt(x * x + y * y), 1e-12);

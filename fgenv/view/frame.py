@@ -15,6 +15,7 @@ from fgenv.view.shader import CONTRAST
 from fgenv.view.surfaces import SMOOTH, Floats, Floor, Light
 
 FLOOR, LIGHT = Floor(), Light()
+FAR = 2.5  # times as far as the camera looks, a floor fades out if it does not say where
 
 
 class Mark(NamedTuple):
@@ -29,14 +30,15 @@ class Mark(NamedTuple):
 class Painter:
     """Paints bodies where they stand, in native code on all cores, with the look of `render`.
 
-    Lambert surfaces under a sun with hard shadows and a sky. A picture's bytes are the same on
-    every machine, whatever the number of threads.
+    Lambert surfaces under a sun with hard shadows and a sky. A picture does not depend on the
+    number of threads, nor on the instruction set.
 
     Args:
         shapes, colors: of the bodies; bodies may share a shape. Colours are sRGB.
         camera: looks at them; None: one that sees all bodies and marks of the first picture, of
             `width` by `height` pixels, which are of no use otherwise.
-        floor: None: there is no floor, and marks are an error.
+        floor: fades out farther than by default where the camera is far, unless it says where;
+            None: there is no floor, and marks are an error.
         samples: squared, rays for each pixel at an edge; 1 is faster, and jagged.
         smooth: edges that bend less (rad) are shaded round; 0: every face is flat.
 
@@ -67,17 +69,22 @@ class Painter:
         self.camera = camera
         self.samples = samples
         self._size, self._floor = (width, height), floor
+        self._floor_color = None if floor is None else _linear(floor.color, "floor")
         self._bounds = np.array([s.bounds for s in shapes]).reshape(-1, 2, 3)
         unique = list({id(s): s for s in shapes}.values())
         place = {id(s): i for i, s in enumerate(unique)}
         maps = [normal_maps(s.vertices, s.faces, smooth) if smooth > 0 else None for s in unique]
         which = [place[id(s)] for s in shapes]
-        self._core = _core.Painter(unique, maps, which, _linear(colors, "colors"))
-        sky = _linear([light.zenith, light.horizon], "light")
-        self._core.set_light(light.direction, light.sun, [light.above, light.below], sky)
-        if floor is not None:
-            color = _linear(floor.color, "floor")
-            self._core.set_floor(floor.height, floor.grid, floor.fade, color)
+        self._core = _core.Painter(
+            unique,
+            maps,
+            which,
+            _linear(colors, "colors"),
+            light.direction,
+            light.sun,
+            [light.above, light.below],
+            _linear([light.zenith, light.horizon], "light"),
+        )
 
     def paint(
         self, poses: ArrayLike, marks: Sequence[Mark] = (), *, threads: int | None = None
@@ -86,7 +93,7 @@ class Painter:
 
         Args:
             marks: drawn on the floor.
-            threads: None: FGENV_THREADS, else all cores. The picture does not depend on it.
+            threads: None: FGENV_THREADS, else all cores.
         """
         if len(marks) and self._floor is None:
             raise ValueError(f"marks: {len(marks)} of them, but the painter has no floor")
@@ -100,6 +107,7 @@ class Painter:
             camera.pixels_per_slope,
             camera.width,
             camera.height,
+            self._ground(camera),
             np.hstack([places, colors]),
             self.samples,
             CONTRAST,
@@ -107,6 +115,17 @@ class Painter:
         )
         self.camera = camera
         return picture
+
+    def _ground(self, camera: Camera) -> Floats | None:
+        """Height, grid, fade and linear colour of the floor, for the core."""
+        floor, color = self._floor, self._floor_color
+        if floor is None or color is None:
+            return None
+        fade = floor.fade
+        if fade == Floor.fade:
+            far = float(np.linalg.norm(np.subtract(camera.target, camera.eye)))
+            fade = min(max(fade, FAR * far), 1e12)
+        return np.array([floor.height, floor.grid, fade, *color])
 
     def _overview(self, poses: Floats, places: Floats) -> Camera:
         """Of all bodies and marks; of what is around the origin if there are none."""
