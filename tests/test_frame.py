@@ -81,7 +81,7 @@ def test_looks_as_the_shader_does(floor: Floor | None, eye: tuple[float, float, 
     smooth, _ = render(camera, solids, floor=floor, samples=3)
     fine = Painter(shapes, colors, camera, floor=floor, samples=3).paint(poses)
     off = np.abs(bytes_of(smooth) - fine).max(axis=2)
-    assert (off > 1.0).mean() < 0.01  # now and then one of nine rays on a shadow's edge
+    assert (off > 1.0).mean() < 0.02  # an edge is looked at on its own side alone
     assert off.max() < 60.0
     assert (fine != seen).any()
 

@@ -27,7 +27,7 @@ std::vector<Vec3> vectors(nb::handle value, const char* name, int64_t n) {
     if (array.dims != wanted && array.dims != Dims{n, 3})
         fail(std::string(name) + ": shape " + to_string(array.dims) + ", wanted " + to_string(wanted));
     std::vector<Vec3> out;
-    for (int64_t i = 0; i < n; ++i) out.push_back({array.data()[3 * i], array.data()[3 * i + 1], array.data()[3 * i + 2]});
+    for (const double *v = array.data(), *end = v + 3 * n; v < end; v += 3) out.push_back({v[0], v[1], v[2]});
     return out;
 }
 
@@ -100,7 +100,8 @@ std::vector<Mark> marks_of(nb::handle value) {
     for (int64_t i = 0; i < array.dims[0]; ++i) {
         const double* m = array.data() + 6 * i;
         for (int k = 0; k < 6; ++k)
-            if (!std::isfinite(m[k])) fail("marks[" + std::to_string(i) + "] is " + number(m[k]) + ", wanted finite numbers");
+            if (!std::isfinite(m[k]))
+                fail("marks[" + std::to_string(i) + "] is " + number(m[k]) + ", wanted finite numbers");
         if (!(m[2] > 0)) fail("marks[" + std::to_string(i) + "]: radius " + number(m[2]) + ", wanted more than 0");
         marks.push_back({m[0], m[1], m[2], {m[3], m[4], m[5]}});
     }
@@ -110,8 +111,8 @@ std::vector<Mark> marks_of(nb::handle value) {
 View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t width, int64_t height) {
     const std::vector<Vec3> rows = vectors(axes, "axes", 3);
     if (width < 1 || height < 1 || width > most_pixels || height > most_pixels || width * height > most_pixels)
-        fail("width, height: " + std::to_string(width) + ", " + std::to_string(height) + ", wanted 1 or more, and at most " +
-             std::to_string(most_pixels) + " pixels");
+        fail("width, height: " + std::to_string(width) + ", " + std::to_string(height) +
+             ", wanted 1 or more, and at most " + std::to_string(most_pixels) + " pixels");
     const Vec3 from = vectors(eye, "eye", 1)[0];
     if (!(norm(from) <= farthest)) fail("eye: over 1e12 m from the origin");
     return {from, rows[0], rows[1], rows[2], positive(pixels_per_slope, "pixels_per_slope"),
@@ -119,7 +120,8 @@ View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t w
 }
 
 nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::handle axes, double pixels_per_slope,
-                 int64_t width, int64_t height, nb::handle floor, nb::handle marks, int64_t samples, double contrast, nb::handle threads) {
+                 int64_t width, int64_t height, nb::handle floor, nb::handle marks, int64_t samples, double contrast,
+                 nb::handle threads) {
     const Poses array = poses(places, "poses");
     const int64_t n = static_cast<int64_t>(self.scene.bodies.size());
     if (array.dims != Dims{n})

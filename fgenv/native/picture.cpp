@@ -76,53 +76,70 @@ void Picture::look(int64_t first, int64_t last) {
     }
 }
 
-// Whether a pixel differs from one beside, above or below it. Not by the floor's lines and marks: those
-// are smooth as they are; and on one body by more, as round surfaces do.
-bool Picture::rough(int x, int y) const {
-    const Pixel& here = pixels_[static_cast<size_t>(y) * view_.width + x];
-    const auto differs = [&](int i, int j) {
-        if (i < 0 || j < 0 || i >= view_.width || j >= view_.height) return false;
-        const Pixel& there = pixels_[static_cast<size_t>(j) * view_.width + i];
-        const bool same = here.owner == there.owner;
-        if (same && here.owner < 0) return false;
-        const double limit = (same ? 3 : 1) * antialiasing_.contrast;
-        for (int k = 0; k < 3; ++k)
-            if (std::fabs(here.color[k] - there.color[k]) > limit) return true;
-        return false;
-    };
-    return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) || differs(x, y + 1);
+// Whether two neighbours differ. Not by the floor's lines and marks: those are smooth as they are; and on
+// one body by more, as round surfaces do.
+bool Picture::differ(const Pixel& a, const Pixel& b) const {
+    const bool same = a.owner == b.owner;
+    if (same && a.owner < 0) return false;
+    const double limit = (same ? 3 : 1) * antialiasing_.contrast;
+    for (int k = 0; k < 3; ++k)
+        if (std::fabs(a.color[k] - b.color[k]) > limit) return true;
+    return false;
+}
+
+// The sides on which a pixel's neighbour differs from it.
+unsigned Picture::edges(int x, int y) const {
+    const Pixel* here = &pixels_[static_cast<size_t>(y) * view_.width + x];
+    return (x > 0 && differ(*here, here[-1]) ? left : 0) | (x + 1 < view_.width && differ(*here, here[1]) ? right : 0) |
+           (y > 0 && differ(*here, here[-view_.width]) ? above : 0) |
+           (y + 1 < view_.height && differ(*here, here[view_.width]) ? below : 0);
+}
+
+// Rays for the pixel `at` of the bundle's tile, to be added to its sum; what lies toward a neighbour that
+// does not differ has the pixel's own colour.
+template <class Add>
+void Picture::refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const {
+    const Pixel& own = pixels_[static_cast<size_t>(y) * view_.width + x];
+    const int samples = antialiasing_.samples;
+    for (int k = 0; k < samples * samples; ++k) {
+        // In half steps off the middle.
+        const int i = 2 * (k % samples) + 1 - samples, j = 2 * (k / samples) + 1 - samples;
+        const unsigned toward = (i < 0 ? left : i > 0 ? right : 0) | (j < 0 ? above : j > 0 ? below : 0);
+        if (!(edges & toward)) {
+            add(at, own.owner, {own.color[0], own.color[1], own.color[2]});
+            continue;
+        }
+        bundle.pixel[bundle.n] = at;
+        bundle.ray[bundle.n++] = ray_through(view_, x + 0.5 + 0.5 * i / samples, y + 0.5 + 0.5 * j / samples);
+        if (bundle.n == most) trace(bundle, add);
+    }
 }
 
 void Picture::finish(int64_t first, int64_t last, uint8_t* out) const {
     static const SrgbTable table;
-    const int samples = antialiasing_.samples;
-    const double share = 1.0 / (samples * samples);
+    const double share = 1.0 / (antialiasing_.samples * antialiasing_.samples);
     Bundle bundle;
     for (int64_t tile = first; tile < last; ++tile) {
         const PixelBox box = tile_box(tile);
-        const int left = static_cast<int>(box.lo[0]), top = static_cast<int>(box.lo[1]);
+        const int x0 = static_cast<int>(box.lo[0]), y0 = static_cast<int>(box.lo[1]);
         Vec3 sum[most] = {};
         bool fine[most] = {}, aimed = false;
         const auto add = [&](int at, int32_t, Vec3 c) { sum[at] = sum[at] + share * c; };
-        for (int y = top; y < box.hi[1]; ++y)
-            for (int x = left; x < box.hi[0]; ++x) {
-                const int at = (y - top) * side + x - left;
-                fine[at] = samples > 1 && rough(x, y);
-                if (!fine[at]) continue;
+        for (int y = y0; y < box.hi[1]; ++y)
+            for (int x = x0; x < box.hi[0]; ++x) {
+                const unsigned sides = antialiasing_.samples > 1 ? edges(x, y) : 0;
+                if (!sides) continue;
                 if (!aimed) aim(bundle, box);
                 aimed = true;
-                for (int k = 0; k < samples * samples; ++k) {
-                    bundle.pixel[bundle.n] = at;
-                    bundle.ray[bundle.n++] =
-                        ray_through(view_, x + (k % samples + 0.5) / samples, y + (k / samples + 0.5) / samples);
-                    if (bundle.n == most) trace(bundle, add);
-                }
+                const int at = (y - y0) * side + x - x0;
+                fine[at] = true;
+                refine(bundle, x, y, at, sides, add);
             }
-        trace(bundle, add);
-        for (int y = top; y < box.hi[1]; ++y)
-            for (int x = left; x < box.hi[0]; ++x) {
+        if (aimed) trace(bundle, add);
+        for (int y = y0; y < box.hi[1]; ++y)
+            for (int x = x0; x < box.hi[0]; ++x) {
                 const size_t pixel = static_cast<size_t>(y) * view_.width + x;
-                const int at = (y - top) * side + x - left;
+                const int at = (y - y0) * side + x - x0;
                 const float* c = pixels_[pixel].color;
                 write(table, fine[at] ? sum[at] : Vec3{c[0], c[1], c[2]}, out + 3 * pixel);
             }

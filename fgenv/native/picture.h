@@ -43,7 +43,7 @@ struct Scene {
 };
 
 struct Antialiasing {
-    int samples;      // squared: rays for a pixel at an edge; 1: none more
+    int samples;      // squared: as fine is a pixel at an edge; 1: no finer
     double contrast;  // of linear colour between neighbours: more is an edge
 };
 
@@ -59,6 +59,7 @@ public:
 
 private:
     static constexpr int side = 8, most = side * side;  // pixels of a tile; rays of a bundle
+    static constexpr unsigned left = 1, right = 2, above = 4, below = 8;
     struct Pixel {  // of one ray
         float color[3];
         int32_t owner;  // a body, or one of those below
@@ -84,7 +85,10 @@ private:
     void aim(Bundle& bundle, const PixelBox& box) const;
     template <class Add>
     void trace(Bundle& bundle, const Add& add) const;
-    bool rough(int x, int y) const;
+    bool differ(const Pixel& a, const Pixel& b) const;
+    unsigned edges(int x, int y) const;
+    template <class Add>
+    void refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const;
 
     void see(const Bundle& bundle, Vec3 ray, Surface& out) const;
     void see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface& out) const;
