@@ -9,10 +9,11 @@ from fgenv.agents.experiment import Experiment, run_experiment
 from fgenv.agents.facts import facts
 from fgenv.agents.goto import GoTo
 from fgenv.agents.path_follower import PathFollower
-from fgenv.agents.policy import POLICIES, Policy, policy_of
+from fgenv.agents.policy import POLICIES, policy_of
 from fgenv.agents.random_policy import RandomPolicy
 from fgenv.agents.replan import Journey, drive_and_replan
 from fgenv.agents.rest import Rest
+from fgenv.envs import Policy
 
 if TYPE_CHECKING:
     from fgenv.agents.sb3 import FleetVecEnv

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fgenv.agents.policy import Policy
+from fgenv.envs import Policy
 from fgenv.envs import Record, Recorder, Simulator, View
 
 

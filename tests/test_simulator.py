@@ -511,6 +511,8 @@ def test_a_damaged_state_is_told(junk, at):
 
 # What is refused
 
+UNBOUNDED = arena(2).replace(workspace=None)
+
 
 @pytest.mark.parametrize(
     ("make", "told"),
@@ -523,7 +525,7 @@ def test_a_damaged_state_is_told(junk, at):
         (lambda: Simulator(3), "scenario: int, wanted a name"),
         (lambda: Simulator(arena(2), n=3), "overrides: n, wanted with the name of a scenario only"),
         (lambda: Simulator(arena(2).replace(robots=())), "'arena' has no robots"),
-        (lambda: Simulator(arena(2).replace(workspace=None), starts="random"), "give the scenario a workspace"),
+        (lambda: Simulator(UNBOUNDED, starts="random"), "give the scenario a workspace"),
         (lambda: Reward({"glory": 1.0}), "'glory' is no term, wanted one of progress"),
         (lambda: Reward({"time": np.nan}), "time: nan, wanted a finite weight"),
         (lambda: Observation(neighbours=-1), "neighbours: -1, wanted 0 to 1000"),

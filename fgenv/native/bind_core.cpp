@@ -12,4 +12,5 @@ NB_MODULE(_core, m) {
     fgenv::bind_world(m);
     fgenv::bind_robot(m);
     fgenv::bind_simulator(m);
+    fgenv::bind_picture(m);
 }

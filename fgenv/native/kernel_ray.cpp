@@ -157,9 +157,9 @@ int crossing(Vec3 p, const Vec3 f[3], bool& touching) {
     return 0;
 }
 
-}  // namespace
-
-RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
+// The first hit; with `any` = true the one that is found first.
+template <bool any>
+FGENV_INLINE RayHit cast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
     RayHit hit{HUGE_VAL, -1};
     const Ray ray = make_ray(o, d);
     struct Entry {
@@ -184,6 +184,7 @@ RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
                 if (at < 0 || at > reach || (at == hit.distance && face >= hit.face)) continue;
                 reach = at;
                 hit = {at, face};
+                if (any) return hit;
             }
             continue;
         }
@@ -201,6 +202,12 @@ RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
     }
     return hit;
 }
+
+}  // namespace
+
+RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) { return cast<false>(s, o, d, max_distance); }
+
+bool obstructed(const Shape& s, Vec3 o, Vec3 d) { return cast<true>(s, o, d, HUGE_VAL).face >= 0; }
 
 int32_t segment(const Shape& s, Vec3 p, Vec3 q) {
     const Ray ray = make_ray(p, q - p);

@@ -64,6 +64,8 @@ struct Kernels {
     // there is none. With any = true the first pair found within the bound.
     Nearest (*nearest)(const Shape& a, const Shape& b, const Rigid& pose, double bound, bool any);
     RayHit (*raycast)(const Shape& shape, Vec3 origin, Vec3 direction, double max_distance);
+    // Whether a ray meets the shape at all.
+    bool (*obstructed)(const Shape& shape, Vec3 origin, Vec3 direction);
     // Winding number of the closed shells around p; `touching` is set if p is on one of them.
     int (*winding)(const Shape& shape, Vec3 p, bool& touching);
     // First face found that segment pq meets, -1 if none.

@@ -197,3 +197,9 @@ fgenv._core.Simulator.(checks|collisions|arrivals|steps|numbers|seeds|cases)$:
 
 fgenv._core.Simulator.status$:
     def status(self) -> NDArray[uint8]: ...
+
+fgenv._core.Painter.__init__$:
+    def __init__(self, shapes: Sequence[Shape], maps: Sequence[ArrayLike | None], which: Sequence[int], colors: ArrayLike, sun: ArrayLike, strength: float, ambient: ArrayLike, sky: ArrayLike) -> None: ...
+
+fgenv._core.Painter.paint$:
+    def paint(self, poses: ArrayLike, eye: ArrayLike, axes: ArrayLike, pixels_per_slope: float, width: int, height: int, floor: ArrayLike | None, marks: ArrayLike, samples: int, contrast: float, threads: int | None) -> NDArray[uint8]: ...

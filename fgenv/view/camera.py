@@ -8,6 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
+AZIMUTH, ELEVATION, FOV = (
+    -1.2,
+    0.8,
+    0.5,
+)  # rad: an overview is from there, seen from the middle
+BORDER = 0.03  # of the height, that an overview leaves free
 
 
 @dataclass(frozen=True)
@@ -73,3 +79,33 @@ class Camera:
     @property
     def _middle(self) -> Floats:
         return np.array([self.width / 2, self.height / 2])
+
+
+def box_corners(low: ArrayLike, high: ArrayLike) -> Floats:
+    """The corners (..., 8, 3) of boxes from `low` to `high` (..., 3)."""
+    low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+    ends = np.stack(np.meshgrid(*[(0.0, 1.0)] * 3, indexing="ij"), axis=-1).reshape(8, 3)
+    return np.asarray(low[..., None, :] + ends * (high - low)[..., None, :])
+
+
+def overview(corners: Floats, width: int, height: int) -> Camera:
+    """A camera from the south, above, as near as all corners (n, 3) let it be."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
+    way = np.array(
+        [
+            np.cos(AZIMUTH) * np.cos(ELEVATION),
+            np.sin(AZIMUTH) * np.cos(ELEVATION),
+            np.sin(ELEVATION),
+        ]
+    )
+    for far in span * np.linspace(0.8, 4.0, 65):
+        for drop in np.linspace(-0.1, 0.1, 9) * span:  # what is near looks larger
+            target = middle + (0.0, 0.0, drop)
+            eye = target + far * way
+            camera = Camera(tuple(eye.tolist()), tuple(target.tolist()), FOV, width, height)
+            pixels, depth = camera.project(corners)
+            frame, border = np.array([width, height]), BORDER * height
+            if (depth > 0).all() and ((pixels > border) & (pixels < frame - border)).all():
+                return camera
+    return camera

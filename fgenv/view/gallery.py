@@ -7,15 +7,12 @@ from PIL import Image
 
 from fgenv.collision import World
 from fgenv.scenarios import Built, Scenario, bounds
-from fgenv.view.camera import Camera
-from fgenv.view.palette import BLUE, GREEN, ORANGE, PURPLE, SKY, STEEL, VERMILION, YELLOW, Color
+from fgenv.view.camera import box_corners, overview
+from fgenv.view.palette import robot_color, static_color
 from fgenv.view.picture import Picture
 from fgenv.view.surfaces import Floats, Floor, Solid
 
-TEAM: tuple[Color, ...] = (ORANGE, BLUE, VERMILION, GREEN, PURPLE, SKY, YELLOW)
-WOOD: Color = (0.45, 0.60, 0.45)
 GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; metres of marks over the floor
-AZIMUTH, ELEVATION, FOV = -1.2, 0.8, 0.5  # rad: where the camera is, seen from the middle
 RING = np.linspace(0.0, 2 * np.pi, 33)
 COLORS = 176  # of 256, that are common in a picture
 
@@ -26,13 +23,15 @@ def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image
     worlds = built.world(), built.world(built.goals)
     corners = np.concatenate([corners_of(world) for world in worlds])
     camera = overview(corners, width, height)
-    solids = [Solid(s, p, stone(s.name)) for s, p in zip(built.shapes, built.poses, strict=True)]
+    solids = [
+        Solid(s, p, static_color(s.name)) for s, p in zip(built.shapes, built.poses, strict=True)
+    ]
     for i in range(len(built.robots)):
         for world, opacity in zip(worlds, (1.0, GHOST), strict=True):
             for record in map(world.record, world.parts(built.groups[i][0]).tolist()):
                 pose = record.pose.copy()
                 pose[2, 3] += (1.0 - opacity) * LIFT  # else it flickers where it lies in another
-                solids.append(Solid(record.shape, pose, color(i), opacity))
+                solids.append(Solid(record.shape, pose, robot_color(i), opacity))
     picture = Picture(camera, solids, floor=Floor(height=min(0.0, float(corners[:, 2].min()))))
     for i, robot in enumerate(built.robots):
         if robot.base != "fixed":
@@ -50,46 +49,10 @@ def small(image: Image.Image) -> Image.Image:
     return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-def color(i: int) -> Color:
-    """That of robot i."""
-    return TEAM[i % len(TEAM)]
-
-
-def stone(name: str) -> Color:
-    """The colour of a static body, by its shape's name."""
-    return WOOD if name == "tree" else STEEL
-
-
 def corners_of(world: World) -> Floats:
     """Corners (n, 3) of the boxes of all bodies."""
     boxes = [bounds(world.record(int(body))) for body in world.ids]
-    ends = np.array(
-        [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1), (1, 1, 1)]
-    )
-    return np.concatenate([low + ends * (high - low) for low, high in boxes])
-
-
-def overview(corners: Floats, width: int, height: int) -> Camera:
-    """A camera from the south, above, as near as all corners (n, 3) let it be."""
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
-    way = np.array(
-        [
-            np.cos(AZIMUTH) * np.cos(ELEVATION),
-            np.sin(AZIMUTH) * np.cos(ELEVATION),
-            np.sin(ELEVATION),
-        ]
-    )
-    for far in span * np.linspace(0.8, 4.0, 65):
-        for drop in np.linspace(-0.1, 0.1, 9) * span:  # what is near looks larger
-            target = middle + (0.0, 0.0, drop)
-            eye = target + far * way
-            camera = Camera(tuple(eye.tolist()), tuple(target.tolist()), FOV, width, height)
-            pixels, depth = camera.project(corners)
-            frame, border = np.array([width, height]), 0.03 * height
-            if (depth > 0).all() and ((pixels > border) & (pixels < frame - border)).all():
-                return camera
-    return camera
+    return np.concatenate([box_corners(low, high) for low, high in boxes])
 
 
 def mark(picture: Picture, built: Built, i: int) -> None:
@@ -100,10 +63,10 @@ def mark(picture: Picture, built: Built, i: int) -> None:
     )
     if not free:
         ends[:, 2] = LIFT
-    picture.segments(ends, color(i), width=0.9, opacity=0.6, hidden=0.15)
+    picture.segments(ends, robot_color(i), width=0.9, opacity=0.6, hidden=0.15)
     part = built.robots[i].parts[0].shape.bounds
     radius = 0.5 * float(np.linalg.norm(part[1, :2] - part[0, :2]))
     middle = built.robots[i].forward(built.goals[i])[0] @ [*part.mean(axis=0)[:2], 0.0, 1.0]
     ring = np.column_stack([radius * np.cos(RING), radius * np.sin(RING), np.zeros(33)])
     ring += (middle[0], middle[1], ends[1, 2])
-    picture.polyline(ring, color(i), width=1.3, hidden=0.4)
+    picture.polyline(ring, robot_color(i), width=1.3, hidden=0.4)

@@ -24,6 +24,18 @@ PURPLE = _hex("CC79A7")
 INK = _hex("26303A")
 STEEL = _hex("B9C0C7")
 WHITE = _hex("FFFFFF")
+WOOD: Color = (0.45, 0.60, 0.45)
+TEAM: tuple[Color, ...] = (ORANGE, BLUE, VERMILION, GREEN, PURPLE, SKY, YELLOW)
+
+
+def robot_color(i: int) -> Color:
+    """That of robot i."""
+    return TEAM[i % len(TEAM)]
+
+
+def static_color(name: str) -> Color:
+    """That of a body that stands still, by its shape's name."""
+    return WOOD if name == "tree" else STEEL
 
 
 def to_linear(srgb: ArrayLike) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from fgenv.view.palette import Color, to_linear
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+SMOOTH = 0.6  # rad: edges that bend less are shaded round
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Solid:
     pose: Floats
     color: Color
     opacity: float = 1.0
-    smooth: float = 0.6
+    smooth: float = SMOOTH
 
     def hits(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
         """First hits of rays: distances (n,), infinite for none, and faces (n,), -1 for none.
