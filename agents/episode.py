@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fgenv.envs import Policy
-from fgenv.envs import Record, Recorder, Simulator, View
+from fgenv.envs import Policy, Record, Recorder, Simulator, View
 
 
 def run_episode(

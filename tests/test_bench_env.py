@@ -66,9 +66,10 @@ class FakeSimulator:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    """Of a simulator that isn't there, and of the libraries beside it."""
+    """Of a simulator that is none, and of the libraries beside it."""
     clock = Clock()
-    monkeypatch.setattr(ours, "simulator", lambda scene, e, _: FakeSimulator(clock, scene, e))
+    monkeypatch.setattr(ours, "simulator", lambda scene, e: FakeSimulator(clock, scene, e))
+    monkeypatch.setattr(ours, "views", lambda robots, seed: {})
     return clock
 
 

@@ -1,5 +1,5 @@
-"""The batched simulator: what drives, sensors, goals, contacts and rewards are to be, by laws and by
-independent computation."""
+"""The batched simulator: what drives, sensors, goals, contacts and rewards are to be, by laws and
+by independent computation."""
 
 import copy
 import pickle

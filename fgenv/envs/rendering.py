@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.collision import World
+from .simulator import GONE
 
 if TYPE_CHECKING:
-    from fgenv.view import Camera, Solid
-
     from .simulator import Simulator
 
 Frame = NDArray[np.uint8]
@@ -50,59 +48,29 @@ class Screen:
 
 
 class Renderer:
-    """Draws worlds as they are: robots, what stands around, goals as ghosts; no display needed."""
+    """Draws worlds as they are: robots, what stands around, rings where goals are."""
 
     def __init__(self, simulator: Simulator) -> None:
+        from fgenv.view.fleet import FleetPainter
+
         self.simulator = simulator
-        self._camera: Camera | None = None
+        self._painter = FleetPainter(simulator.built, self._far())
 
     def frame(self, world: int = 0) -> Frame:
-        """sRGB (360, 480, 3); the camera stays where it was for the first frame."""
-        from fgenv.view import Floor, render
-        from fgenv.view.gallery import corners_of, overview
-        from fgenv.view.palette import to_srgb
+        """sRGB (360, 480, 3)."""
+        simulator = self.simulator
+        if not simulator.begun:
+            raise RuntimeError("render: before the first reset, call reset()")
+        here = (simulator.status[world] != GONE).tolist()
+        poses = simulator.standing_poses(world)
+        return self._painter.paint(
+            simulator.configurations[world], simulator.goals[world], here, poses
+        )
 
-        now, goals = self._worlds(world)
-        if self._camera is None:
-            corners = np.concatenate([corners_of(now), corners_of(goals), *self._far()])
-            self._camera = overview(corners, WIDTH, HEIGHT)
-            self._ground = min(0.0, float(corners[:, 2].min()))
-        floor = Floor(height=self._ground)
-        color, _ = render(self._camera, self._solids(now, goals), floor=floor, shadows=False)
-        return (to_srgb(color) * 255 + 0.5).astype(np.uint8)
-
-    def _far(self) -> list[NDArray[np.float64]]:
+    def _far(self) -> NDArray[np.float64] | None:
         """Corners of where later episodes may be, (n, 3)."""
         space, simulator = self.simulator.scenario.workspace, self.simulator
         if space is None or (simulator.starts == "scenario" and len(simulator.cases) == 1):
-            return []
+            return None
         ends = [*zip(space.low, space.high, strict=True), (0.0, 0.0)][:3]
-        return [np.array(list(itertools.product(*ends)))]
-
-    def _worlds(self, world: int) -> tuple[World, World]:
-        """As it is, and with all at their goals."""
-        now, goals = self.simulator.world(world), self.simulator.world(world)
-        wanted = self.simulator.goals[world]
-        for i, robot in enumerate(self.simulator.robots):
-            if robot.name in goals.names:
-                goals.set_configuration(robot.name, wanted[i, : robot.nq])
-        return now, goals
-
-    def _solids(self, now: World, goals: World) -> list[Solid]:
-        from fgenv.view import Solid
-        from fgenv.view.gallery import GHOST, LIFT, color, stone
-
-        parts: set[int] = set()
-        solids: list[Solid] = []
-        for i, robot in enumerate(self.simulator.robots):
-            if robot.name not in now.names:
-                continue  # gone
-            ids = now.parts(robot.name).tolist()
-            parts.update(ids)
-            for seen, opacity, lift in ((now, 1.0, 0.0), (goals, GHOST, LIFT)):
-                for record in map(seen.record, ids):
-                    pose = record.pose.copy()
-                    pose[2, 3] += lift  # else it flickers where it lies in another
-                    solids.append(Solid(record.shape, pose, color(i), opacity))
-        stand = [now.record(int(body)) for body in now.ids if int(body) not in parts]
-        return [Solid(r.shape, r.pose, stone(r.shape.name)) for r in stand] + solids
+        return np.array(list(itertools.product(*ends)))

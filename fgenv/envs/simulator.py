@@ -293,7 +293,7 @@ class Simulator:
         return Step(rows, rewards, terminated, truncated)
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
-        """Put a robot to a start with a goal, (nq,) each; as after a reset, looked at by nobody."""
+        """Begin a robot's episode anew, from a start to a goal, (nq,); nobody asks who is there."""
         self._ready("place")
         self._core.place(world, robot, start, goal)
 
@@ -460,16 +460,21 @@ class Simulator:
         """The least of `clearances`."""
         return self._core.least_clearances()
 
+    def standing_poses(self, world: int) -> Floats:
+        """Of the static bodies in a world, (m, 4, 4)."""
+        poses = self.built.poses
+        if self.cases.poses is not None:
+            poses = poses.copy()
+            poses[list(self.cases.stands)] = self.cases.poses[int(self.case_numbers[world])]
+        return poses
+
     def world(self, world: int = 0) -> World:
         """A `World` with everything where it is now; it goes its own way from there."""
         self._has(world)
         self._ready("world")
         made = self._like.copy()
-        ids = dict(zip(made.names, made.ids.tolist(), strict=True))
-        case = int(self.case_numbers[world])
-        for k, place in enumerate(self.cases.stands):
-            assert self.cases.poses is not None
-            made.set_pose(ids[self.built.names[place]], self.cases.poses[case, k])
+        if self.cases.stands:
+            made.set_pose(list(self.built.names), self.standing_poses(world))
         q, status = self.configurations[world], self.status[world]
         for i, robot in enumerate(self.robots):
             if status[i] == GONE:

@@ -10,6 +10,13 @@ constexpr int tries = 1000;     // for the place of one robot
 constexpr double room = 0.02;   // metres that a robot of one shape, put at random, is apart from all else
 constexpr double pi = 3.14159265358979323846;
 
+// Angles in [-pi, pi], quaternions of length 1: what a robot that rests is left at.
+std::vector<double> canonical(const Robot& robot, const std::vector<double>& q) {
+    std::vector<double> out(q.size());
+    interpolate(robot, q.data(), q.data(), 1, out.data());
+    return out;
+}
+
 // Uniform within the limits; a free base is level.
 std::vector<double> anywhere(const Agent& agent, Dice& dice) {
     std::vector<double> q;
@@ -102,25 +109,21 @@ bool Simulator::scatter(Episode& episode, Dice& dice, Targets& out) const {
 void Simulator::begin(Episode& episode, const Targets& starts, const Targets& goals) {
     episode.steps = 0;
     episode.terminated = episode.truncated = false;
-    for (int32_t i = 0; i < n_agents(); ++i) {
-        Runner runner;
-        runner.action.resize(agents_[i].drive.n_actions());
-        episode.runners[i] = std::move(runner);
-        episode.world.clear_path(agents_[i].id);
-        episode.world.set_present(agents_[i].id, true);
-    }
     for (int32_t i = 0; i < n_agents(); ++i) put(episode, i, starts[i], goals[i]);
 }
 
 void Simulator::put(Episode& episode, int32_t i, const std::vector<double>& start, const std::vector<double>& goal) {
     const Agent& agent = agents_[i];
-    Runner& runner = episode.runners[i];
-    runner.q = start;
-    runner.goal = goal;
-    runner.path = {start, goal};
+    Runner runner;
+    runner.action.resize(agent.drive.n_actions());
+    runner.q = canonical(*agent.robot, start);
+    runner.goal = canonical(*agent.robot, goal);
+    runner.path = {runner.q, runner.goal};
     runner.remaining = remaining(agent, runner);
     episode.world.clear_path(agent.id);
-    episode.world.set_configuration(agent.id, start);
+    episode.world.set_configuration(agent.id, runner.q);
+    episode.world.set_present(agent.id, true);
+    episode.runners[i] = std::move(runner);
 }
 
 void Simulator::place(int32_t e, int32_t i, const std::vector<double>& start, const std::vector<double>& goal) {

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any
+from importlib.util import find_spec
 
 import numpy as np
 
 from fgenv.bench.env.batch import ACTIONS, Batch
+from fgenv.bench.env.parallel import parallel_batch
+from fgenv.envs import Simulator, parallel_env
 from fgenv.scenarios import Scenario
 
 RAYS = 12
+ROWS_WORLDS = 32
 # Within the circle of the disc that it stands for, and of 268 triangles.
 CART = {"kind": "cart", "length": 0.5, "width": 0.32, "height": 0.25}
 
@@ -37,15 +39,14 @@ def with_rays(scene: Scenario, rays: int = RAYS) -> Scenario:
     return scene.replace(models=models)
 
 
-def simulator(scene: Scenario, worlds: int, seed: int) -> Any:
+def simulator(scene: Scenario, worlds: int) -> Simulator:
     """The batched simulator on one thread."""
-    made = import_module("fgenv.envs").Simulator
-    return made(scene, worlds=worlds, seed=seed, threads=1)
+    return Simulator(scene, worlds, threads=1)
 
 
 def simulator_batch(scene: Scenario, worlds: int, seed: int) -> Batch:
     """Step the simulator from NumPy arrays; its episodes start anew inside, which is timed."""
-    sim = simulator(scene, worlds, seed)
+    sim = simulator(scene, worlds)
     sim.reset(seed=seed)
     shape = (ACTIONS, worlds, sim.n_robots, sim.action_size)
     drawn = np.random.default_rng(seed).uniform(-1.0, 1.0, shape)
@@ -62,10 +63,30 @@ def warehouse_batch(robots: int, worlds: int, seed: int) -> Batch:
     return simulator_batch(warehouse_scene(robots, seed), worlds, seed)
 
 
-def views(robots: int, worlds: int, seed: int) -> dict[str, tuple[Batch, Batch]]:
+def views(robots: int, seed: int) -> dict[str, tuple[Batch, Batch]]:
     """Views of the simulator by name, each with the simulator below it: (view, simulator).
 
-    Their difference is what the view's Python costs. None is there yet: `parallel_batch` steps
-    a PettingZoo environment, and a VecEnv's `step` takes actions as the simulator's does.
+    Their difference is what the view's Python costs. PettingZoo steps one world; the VecEnv, where
+    Stable-Baselines3 is installed, 32.
     """
-    return {}
+    scene = random_scene(robots, seed)
+    env = parallel_batch(parallel_env(scene, threads=1), seed)
+    found = {"PettingZoo": (env, simulator_batch(scene, 1, seed))}
+    if find_spec("stable_baselines3") is not None:
+        found["SB3 VecEnv"] = (
+            rows_batch(scene, ROWS_WORLDS, seed),
+            simulator_batch(scene, ROWS_WORLDS, seed),
+        )
+    return found
+
+
+def rows_batch(scene: Scenario, worlds: int, seed: int) -> Batch:
+    """Step the Stable-Baselines3 view."""
+    from fgenv.agents import FleetVecEnv
+
+    envs = FleetVecEnv(scene, worlds, threads=1)
+    envs.seed(seed)
+    envs.reset()
+    shape = (ACTIONS, envs.num_envs, *(envs.action_space.shape or ()))
+    drawn = np.random.default_rng(seed).uniform(-1.0, 1.0, shape).astype(np.float32)
+    return Batch(envs.num_envs // worlds, worlds, lambda k: envs.step(drawn[k % ACTIONS]))

@@ -45,7 +45,7 @@ def bench_env(
         yield "warehouse", rates(CARTS, worlds, timed(batches))
     crowds = {str(n): ours.random_batch(n, GROWTH_WORLDS, seed) for n in GROWTH}
     yield "growth", growth(timed(crowds))
-    for name, (view, below) in ours.views(ROBOTS[-1], 1, seed).items():
+    for name, (view, below) in ours.views(ROBOTS[-1], seed).items():
         yield "views", view_cost(name, view, timed({"view": view, "simulator": below}))
 
 
