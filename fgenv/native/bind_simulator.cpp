@@ -320,7 +320,14 @@ void bind_simulator(nb::module_& m) {
         .def("goals", [](const Simulator& s) { return rows(s, most_coordinates(s), [](const Runner& r) -> auto& { return r.goal; }); })
         .def("velocities", [](const Simulator& s) { return rows(s, most_actions(s), [](const Runner& r) -> auto& { return r.action; }); })
         .def("hit_points", [](const Simulator& s) {
-            return rows(s, 3, [](const Runner& r) { return std::array<double, 3>{r.hit_point.x, r.hit_point.y, r.hit_point.z}; });
+            Output<double> out = make_output<double>(per_robot(s), {3});
+            double* row = out.data;
+            for (int32_t e = 0; e < s.n_worlds(); ++e)
+                for (int32_t i = 0; i < s.n_agents(); ++i) {
+                    const Vec3 p = s.hit_point(e, i);
+                    for (double x : {p.x, p.y, p.z}) *row++ = x;
+                }
+            return nb::cast(out.array);
         })
         .def("status", [](const Simulator& s) { return column<uint8_t>(s, [](const Runner& r) { return r.status; }); })
         .def("hits", [](const Simulator& s) { return column<int32_t>(s, [](const Runner& r) { return r.hit; }); })

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "edge_face.h"
+#include "gjk.h"
 #include "kernels.h"
 
 namespace fgenv {
@@ -18,7 +19,7 @@ constexpr int all_pairs = 1 << 16;  // are looked at
 constexpr int few_pairs = 4;       // are taken one by one, without halving their time
 constexpr int max_splits = 10;     // or more of them after so many times
 constexpr size_t most_corners = 4096;  // of two bodies together, for planes between them, and
-constexpr int max_planes = 48;     // so many one after the other
+constexpr int max_planes = 256;    // so many one after the other
 constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
 constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
 
@@ -75,9 +76,12 @@ public:
         now_ = instant(a_, b_, t);
         const double as_before = stay_along(longest);
         if (as_before > 0.5 * longest) return as_before;
-        const Nearest near = kernels().nearest(*a_.shape, *b_.shape, relative(now_.a, now_.b), HUGE_VAL, false);
         const Vec3 before = along_;
-        along_ = unit(rotate(now_.a, near.on_b - near.on_a));
+        const Vec3 guess = norm(before) > 0 ? before : origin(now_.b) - origin(now_.a);
+        along_ = unit(way_apart([&](Vec3 n) {
+            const Corner p = farthest(*a_.shape, unrotate(now_.a, n)), q = farthest(*b_.shape, -1.0 * unrotate(now_.b, n));
+            return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
+        }, guess));
         const double anew = stay_along(longest);
         if (anew >= as_before) return anew;
         along_ = before;
@@ -309,8 +313,8 @@ private:
             lo += after;
             if (after > 0.25 * bracket(speed_)) continue;
             const double shown = lesser(lo + 0.5 * bracket(speed_), 1);
-            if (!collides(shown)) continue;
-            find(lo, shown);
+            if (collides(shown)) find(lo, shown);
+            else if (after > 0) continue;
             break;
         }
         return lo;

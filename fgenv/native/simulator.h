@@ -78,9 +78,9 @@ struct Runner {
     Status status = Status::moving;
     double remaining = 0;  // to the goal: metres, or radians of joints
     // Of the last step
-    BodyId hit = -1;       // whom it met
-    double hit_time = 0;   // seconds in the step
-    Vec3 hit_point{0, 0, 0};
+    BodyId hit = -1, hit_part = -1;  // whom it met, with which of its bodies
+    double hit_time = 0;             // seconds in the step
+    Vec3 hit_point{0, 0, 0};         // found at once where robots pass, else when it is asked for
     int64_t checks = 0;
     int32_t masked = 0;
     double clearance = HUGE_VAL;
@@ -91,7 +91,7 @@ struct Runner {
 
     template <class A>
     void visit(A& archive) {
-        archive(q, goal, action, path, has_mask, status, remaining, hit, hit_time, hit_point, checks, masked, clearance, reward,
+        archive(q, goal, action, path, has_mask, status, remaining, hit, hit_part, hit_time, hit_point, checks, masked, clearance, reward,
                 collisions, arrived, travelled, least_clearance);
     }
 };
@@ -145,6 +145,7 @@ public:
     void step(int32_t e, const double* actions);           // (agents, action_size())
     void observe(int32_t e, float* rows) const;            // (agents, observation_size())
     void toward(int32_t e, int32_t i, const double* target, double* action) const;
+    Vec3 hit_point(int32_t e, int32_t i) const;  // of the last step, world
     void save(int32_t e, Writer& out);
     void load(int32_t e, Reader& in);
 

@@ -24,6 +24,12 @@ double turn_to_goal(const Agent& agent, const Runner& runner) {
     return 0;
 }
 
+// A point where two shapes touch, or nearly.
+Vec3 touch_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb) {
+    const ContactInfo touch = contact_of(a, ta, b, tb, true);
+    return touch.hit ? touch.point : apply(ta, nearest_pair(a, ta, b, tb).on_a);
+}
+
 }  // namespace
 
 double Simulator::remaining(const Agent& agent, const Runner& runner) const {
@@ -104,29 +110,37 @@ void Simulator::step(int32_t e, const double* actions) {
     episode.truncated = !episode.terminated && episode.steps >= settings_.horizon;
 }
 
-// Whom a robot met, when and where. Who stops is there still; who passes was there then.
+// Whom a robot met, and when. Who stops is there still, and where is told when it is asked for; where those
+// met that pass has to be found now.
 void Simulator::meet(Episode& episode, int32_t i, const MotionOutcome& outcome, const std::vector<int32_t>& order,
                      const std::vector<Place>& from, const std::vector<Place>& to) {
     Runner& runner = episode.runners[i];
     const double t = outcome.contact.free_until;
-    const bool passes = settings_.response == Response::pass;
     runner.hit = outcome.other;
+    runner.hit_part = outcome.part;
     runner.hit_time = t * settings_.dt;
     ++runner.collisions;
-    if (!passes) std::fill(runner.action.begin(), runner.action.end(), 0.0);
-    const World& world = episode.world;
-    const auto pose = [&](const Body& body) {
-        const int32_t robot = passes ? robot_of(body.id) : -1;
+    if (settings_.response != Response::pass) {
+        std::fill(runner.action.begin(), runner.action.end(), 0.0);
+        return;
+    }
+    const auto then = [&](const Body& body) {
+        const int32_t robot = robot_of(body.id);
         const auto found = std::lower_bound(order.begin(), order.end(), robot);
         if (robot < 0 || found == order.end() || *found != robot) return body.pose;
         const size_t k = found - order.begin();
         const Robot* tree = agents_[robot].robot.get();
         return body.in(frames_at(tree, between(tree, from[k], to[k], t)));
     };
-    const Body &part = world.body(outcome.part), &other = world.body(outcome.other);
-    const Rigid a = pose(part), b = pose(other);
-    const ContactInfo touch = contact_of(*part.shape, a, *other.shape, b, true);
-    runner.hit_point = touch.hit ? touch.point : apply(a, nearest_pair(*part.shape, a, *other.shape, b).on_a);
+    const Body &part = episode.world.body(outcome.part), &other = episode.world.body(outcome.other);
+    runner.hit_point = touch_of(*part.shape, then(part), *other.shape, then(other));
+}
+
+Vec3 Simulator::hit_point(int32_t e, int32_t i) const {
+    const Runner& runner = episodes_[e]->runners[i];
+    if (runner.hit < 0 || settings_.response == Response::pass) return runner.hit_point;
+    const Body &part = episodes_[e]->world.body(runner.hit_part), &other = episodes_[e]->world.body(runner.hit);
+    return touch_of(*part.shape, part.pose, *other.shape, other.pose);
 }
 
 // After the motion: the way gone, the goal, the reward.
