@@ -54,6 +54,30 @@ def test_masks_are_as_shown() -> None:
     assert world.candidates(truck).tolist() == crates[7:]
 
 
+def test_environments_are_as_shown() -> None:
+    pytest.importorskip("stable_baselines3")
+    names: dict[str, Any] = {}
+    exec(block("environments"), names)
+    assert names["picture"].shape == (360, 480, 3)
+    assert set(names["observations"]) == {f"robot {i}" for i in range(1, 9)}
+    assert names["many"].num_envs == 64
+    assert names["rows"].num_envs == 256
+    assert names["seen"].shape == (16, 32, names["simulator"].observation_size)
+    assert names["step"].rewards.shape == (16, 32)
+    names["simulator"].set_state(names["state"])
+
+
+def test_records_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(block("records"), names)
+    steps, robots = names["ways"].shape[:2]
+    assert (steps, robots) == (len(names["record"]) + 1, 6)
+    assert names["results"].success_rate > 0
+    size = (tmp_path / "run.npz").stat().st_size
+    assert size < 40 * steps * robots
+
+
 @pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 def test_robots_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
