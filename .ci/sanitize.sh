@@ -23,5 +23,6 @@ sanitize() {
       PYTHONMALLOC=malloc PYTHONSAFEPATH=1 \
       .venv-asan/bin/pytest -q -k "not ($skipped)" \
       tests/test_{bad_input,bad_input_world,edge_cases,feature_graph,fuzz,link_motion,masks}.py \
-      tests/test_{motion,queries,robots,world,world_machine,world_threads}.py
+      tests/test_{motion,queries,robots,simulator,stopping,frame,world,world_machine}.py \
+      tests/test_world_{robots,threads}.py
 }
