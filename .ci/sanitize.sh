@@ -7,7 +7,7 @@
 sanitize() {
   local compiler=${CXX:-c++} asan stdcpp
   local skipped='costs or same_bits or motions_are_equal or refused or kept_waiting'
-  skipped+=' or goes_on_while'
+  skipped+=' or goes_on_while or instruction_set'
   asan=$("$compiler" -print-file-name=libasan.so)
   stdcpp=$("$compiler" -print-file-name=libstdc++.so.6)
   [ -e "$asan" ] || { echo "$compiler has no libasan.so: use GCC (CXX=g++)" >&2; return 1; }

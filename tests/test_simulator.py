@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fgenv.collision import distance
 from fgenv.envs import Observation, Reward, Simulator
-from fgenv.envs.simulator import GONE, MOVING, PARKED
+from fgenv.envs.readings import GONE, MOVING, PARKED
 from fgenv.scenarios import Scenario, frozen
 
 QUIET = Observation(lidar=False, neighbours=0)

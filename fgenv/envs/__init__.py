@@ -12,11 +12,12 @@ from .aec import FleetAECEnv, env
 from .observations import Observation, Part
 from .others import Policy
 from .parallel import FleetParallelEnv, parallel_env
+from .readings import Collision
 from .record import Record, RecordError
 from .recorder import Recorder
 from .registration import register
 from .rewards import TERMS, Reward
-from .simulator import Collision, Simulator, Step
+from .simulator import Simulator, Step
 from .single import FleetEnv
 from .vector import FleetVectorEnv
 from .view import View

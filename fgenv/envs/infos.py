@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .simulator import MOVING, Simulator
+from .readings import MOVING
+from .simulator import Simulator
 
 Told = dict[str, Any]
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .others import actions_of, policy_of
-from .simulator import MOVING, Simulator
+from .readings import MOVING
+from .simulator import Simulator
 from .view import View
 
 Rows = NDArray[np.float32]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .simulator import GONE
+from .readings import GONE
 
 if TYPE_CHECKING:
     from .simulator import Simulator

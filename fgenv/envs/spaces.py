@@ -17,7 +17,7 @@ from fgenv.robots.limits import reaches
 
 from .assembly import drive_of, lidar_of
 from .observations import Part
-from .simulator import MOVING
+from .readings import MOVING
 
 if TYPE_CHECKING:
     from .simulator import Simulator

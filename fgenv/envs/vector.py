@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from .infos import measured
 from .learner import Flags, Floats, Learner, Rows
 from .parallel import single
+from .readings import MOVING
 from .rendering import MODES, Frame, Screen
-from .simulator import MOVING, Simulator, Source, seeds_of
+from .simulator import Simulator, Source, seeds_of
 from .spaces import action_box, observation_box
 
 Told = dict[str, Any]

@@ -11,7 +11,8 @@ from fgenv.collision import World
 from fgenv.robots import Robot
 
 from .observations import Part
-from .simulator import MOVING, Simulator
+from .readings import MOVING
+from .simulator import Simulator
 from .way_points import way_points_toward
 
 if TYPE_CHECKING:
