@@ -148,6 +148,39 @@ def test_movers_that_cross_meet() -> None:
     assert found.contact.tolist() == found.contact_by.tolist() == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("margin", [0.0, 0.01])
+def test_sides_that_lie_nearly_flush_and_turn(margin: float) -> None:
+    """What planes between bodies, standing or turning with one of them, say is never wrong."""
+    shape, rng = Shape(*together(box(2.0, 0.6, 0.3), box(0.3, 0.5, 0.4))), np.random.default_rng(7)
+    free = 0
+    for _ in range(150):
+        world = World()
+        gap = margin + 10.0 ** rng.uniform(-5, -1.5)
+        turn = rng.uniform(-0.002, 0.002) if rng.random() < 0.5 else 0.0
+        offset = at(rng.uniform(-1.5, 1.5), 0.6 + gap + abs(turn), 0.0)
+        base = turned(rng.uniform(-3, 3))
+        start = base, base @ offset @ turned(turn)
+        a, b = (world.add(shape, pose) for pose in start)
+        if len(world.contacts(margin=margin)):
+            continue
+        ends = []
+        for pose in start:
+            spin = turned(rng.uniform(-0.25, 0.25))
+            ends.append(at(*rng.uniform(-0.02, 0.02, 2), 0.0) @ pose @ spin)
+        found = world.check_motions([a, b], start, ends, margin=margin)
+        assert not found.unresolved.any()
+        until = float(found.contact.min())
+        t = np.linspace(0.0, 1.0, 1500)
+        ways = [along(*pair, t) for pair in zip(start, ends, strict=True)]
+        hits = collide(shape, ways[0], shape, ways[1], margin=margin)
+        assert not hits[t <= until * (1 - 1e-9)].any()
+        if found.free.all():
+            free += 1
+        else:
+            assert hits[t >= float(found.contact_by.min()) + 1e-3][:1].all() or until > 0.99
+    assert 20 < free < 140
+
+
 def test_a_door_is_met_in_time() -> None:
     small = Shape(*box(0.1))
     world = World()

@@ -18,8 +18,8 @@ constexpr int max_halvings = 5;    // up to so many times; then
 constexpr int all_pairs = 1 << 16;  // are looked at
 constexpr int few_pairs = 4;       // are taken one by one, without halving their time
 constexpr int max_splits = 10;     // or more of them after so many times
-constexpr size_t most_corners = 4096;  // of two bodies together, for planes between them, and
-constexpr int max_planes = 256;    // so many one after the other
+constexpr int max_planes = 256;    // between two bodies, one after the other, and
+constexpr size_t most_pairs = 256; // of their shells
 constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
 constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
 
@@ -62,10 +62,11 @@ double time_to(double gap, double approach, double acceleration) {
     return acceleration > 0 ? (root - approach) / acceleration * (1 - 1e-12) : HUGE_VAL;
 }
 
-// Two whole bodies moving, and a plane between them.
-class WholeAdvance {
+// Two bodies, or a shell of each, moving, and a plane between them.
+class PlaneAdvance {
 public:
-    WholeAdvance(const Moving& a, const Moving& b, const CertifySettings& s) : a_(a), b_(b), settings_(s) {
+    PlaneAdvance(const Moving& a, const Moving& b, const Piece& of_a, const Piece& of_b, const CertifySettings& s)
+        : a_(a), b_(b), of_a_(of_a), of_b_(of_b), settings_(s) {
         const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
         radii_ = askew * (a.shape->radius + b.shape->radius);
         acceleration_ = at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * a.shape->radius + at_b.by_radius * b.shape->radius);
@@ -77,57 +78,91 @@ public:
         const double as_before = stay_along(longest);
         if (as_before > 0.5 * longest) return as_before;
         const Vec3 before = along_;
+        const double apart_before = apart_;
         const Vec3 guess = norm(before) > 0 ? before : origin(now_.b) - origin(now_.a);
         along_ = unit(way_apart([&](Vec3 n) {
-            const Corner p = farthest(*a_.shape, unrotate(now_.a, n)), q = farthest(*b_.shape, -1.0 * unrotate(now_.b, n));
+            const Corner p = farthest(*a_.shape, of_a_, unrotate(now_.a, n)),
+                         q = farthest(*b_.shape, of_b_, -1.0 * unrotate(now_.b, n));
             return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
         }, guess));
         const double anew = stay_along(longest);
         if (anew >= as_before) return anew;
         along_ = before;
+        apart_ = apart_before;
         return as_before;
     }
+
+    // Metres that they are apart then, at least.
+    double apart() const { return apart_; }
 
 private:
     struct Corner {
         double most;
         Vec3 at;
     };
-    static Corner farthest(const Shape& s, Vec3 along) {
+    static Corner farthest(const Shape& s, const Piece& piece, Vec3 along) {
         Corner out{-HUGE_VAL, {0, 0, 0}};
-        for (const Vec3& v : s.mesh.vertices) {
+        for (int32_t i = piece.begin; i < piece.end; ++i) {
+            const Vec3& v = s.mesh.vertices[s.corners[i]];
             const double x = dot(along, v);
             if (x > out.most) out = {x, v};
         }
         return out;
     }
 
-    // How far the bodies are apart along n at time s from now, as all corners go on at the velocities that
-    // they have now: never more than what is between them on a line, so a concave function of s.
-    struct Gap {
-        double gap, approach;
+    // The plane's normal goes from n to n + s (spin x n); what a point of either is at along it, as all go on
+    // at the velocities that they have now, is linear in s but for products of two changes.
+    struct Turning {
+        Vec3 n, change, to_a, to_b, turn_a, turn_b;  // the last four in the frames of a and b
     };
-    Gap gap(double s) const {
-        const Vec3 n = along_, to_a = unrotate(now_.a, n), to_b = unrotate(now_.b, n);
-        const Vec3 turn_a = unrotate(now_.a, cross(n, now_.va.w)), turn_b = unrotate(now_.b, cross(n, now_.vb.w));
-        const Corner far_a = farthest(*a_.shape, to_a + s * turn_a), far_b = farthest(*b_.shape, -1.0 * (to_b + s * turn_b));
-        const double speed = dot(n, now_.va.v - now_.vb.v);
-        const double between = dot(n, origin(now_.b) - origin(now_.a)) - s * speed - far_a.most - far_b.most;
-        return {between - settings_.margin - rounding_slack(now_, radii_), speed + dot(turn_a, far_a.at) - dot(turn_b, far_b.at)};
+    Turning turning(Vec3 spin) const {
+        const Vec3 n = along_, change = cross(spin, n);
+        return {n, change, unrotate(now_.a, n), unrotate(now_.b, n), unrotate(now_.a, cross(n, now_.va.w) + change),
+                unrotate(now_.b, cross(n, now_.vb.w) + change)};
+    }
+    // What is between them at time s: the least of linear functions, so a concave one.
+    double gap(const Turning& k, double s, Corner& far_a, Corner& far_b) const {
+        far_a = farthest(*a_.shape, of_a_, k.to_a + s * k.turn_a);
+        far_b = farthest(*b_.shape, of_b_, -1.0 * (k.to_b + s * k.turn_b));
+        return dot(k.n + s * k.change, origin(now_.b) - origin(now_.a)) - s * dot(k.n, now_.va.v - now_.vb.v) - far_a.most - far_b.most;
     }
 
-    double stay_along(double longest) const {
-        const Gap at_once = gap(0);
-        if (!(at_once.gap > 0)) return 0;
+    // Along a plane that stands, and along planes that turn with either body: sides that lie flush stay so.
+    double stay_along(double longest) {
+        Corner far_a, far_b;
+        apart_ = gap(turning({0, 0, 0}), 0, far_a, far_b) - settings_.margin - rounding_slack(now_, radii_);
+        if (!(apart_ > 0)) return 0;
+        double best = 0;
+        for (const Vec3& spin : {Vec3{0, 0, 0}, now_.va.w, now_.vb.w}) {
+            if (best > 0 && norm(spin) == 0) continue;
+            best = greater(best, stay_along(turning(spin), norm(spin), far_a.at, far_b.at, longest));
+            if (best >= longest) break;
+        }
+        return best;
+    }
+
+    double stay_along(const Turning& k, double spin, Vec3 far_a, Vec3 far_b, double longest) const {
+        // Products of changes: of the normal with velocities, and with what bends the points' ways.
+        const double grown = 1 + spin * longest;
+        const double bend = grown * acceleration_ + 2 * spin * relative_speed();
+        const double approach = dot(k.n, now_.va.v - now_.vb.v) - dot(k.change, origin(now_.b) - origin(now_.a)) +
+                                dot(k.turn_a, far_a) - dot(k.turn_b, far_b);
         // The tangent ends beyond the true end, the chord to there before it.
-        const double s = lesser(longest, time_to(at_once.gap, at_once.approach, acceleration_));
-        const double then = gap(s).gap - 0.5 * acceleration_ * s * s;
-        return then > 0 ? s : s * at_once.gap / (at_once.gap - then) * (1 - 1e-12);
+        const double s = lesser(longest, time_to(apart_, approach, bend));
+        Corner a, b;
+        const double then = gap(k, s, a, b) - grown * (settings_.margin + rounding_slack(now_, radii_)) - 0.5 * bend * s * s;
+        return then > 0 ? s : s * apart_ / (apart_ - then) * (1 - 1e-12);
+    }
+
+    // At most, of a point of one against a point of the other.
+    double relative_speed() const {
+        return norm(now_.va.v - now_.vb.v) + askew * (norm(now_.va.w) * a_.shape->radius + norm(now_.vb.w) * b_.shape->radius);
     }
 
     const Moving &a_, &b_;
+    const Piece &of_a_, &of_b_;
     const CertifySettings& settings_;
-    double radii_, acceleration_;
+    double radii_, acceleration_, apart_ = 0;
     Vec3 along_{0, 0, 0};
     Instant now_;
 };
@@ -302,16 +337,34 @@ private:
         return m;
     }
 
-    // Until when planes part the whole bodies, one after the other: cheap, and enough for most that come
-    // near each other, even if they touch in the end.
+    // Until when planes part the bodies, one after the other: cheap, and enough for most that come near each
+    // other, even if they touch in the end. Where none parts them as wholes, each shell from each shell.
     double part(double lo, double hi) {
-        if (a_.shape->mesh.vertices.size() + b_.shape->mesh.vertices.size() > most_corners) return lo;
-        WholeAdvance bodies(a_, b_, settings_);
+        const Shape &a = *a_.shape, &b = *b_.shape;
+        if (a.corners.empty() || b.corners.empty()) return lo;
+        const auto whole = [](const Shape& s) { return Piece{{0, 0, 0}, 0, 0, static_cast<int32_t>(s.corners.size())}; };
+        lo = part(whole(a), whole(b), lo, hi);
+        const size_t pairs = a.pieces.size() * b.pieces.size();
+        if (lo >= lesser(hi, contact_.free_until) || pairs < 2 || pairs > most_pairs) return lo;
+        const Rigid at_a = a_.motion->pose(lo), at_b = b_.motion->pose(lo);
+        double parted = hi;
+        for (const Piece& p : a.pieces)
+            for (const Piece& q : b.pieces) {
+                const double until = lesser(hi, contact_.free_until);
+                const double gap = norm(apply(at_b, q.centre) - apply(at_a, p.centre)) - askew * (p.radius + q.radius) - settings_.margin;
+                if (gap <= speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
+                    parted = lesser(parted, part(p, q, lo, until));
+            }
+        return parted;
+    }
+
+    double part(const Piece& of_a, const Piece& of_b, double lo, double hi) {
+        PlaneAdvance bodies(a_, b_, of_a, of_b, settings_);
         for (int i = 0; i < max_planes; ++i) {
             const double after = bodies.stay(lo, hi - lo);
             if (lo + after >= hi) return hi;
             lo += after;
-            if (after > 0.25 * bracket(speed_)) continue;
+            if (after > 0.25 * bracket(speed_) || bodies.apart() > settings_.tolerance) continue;
             const double shown = lesser(lo + 0.5 * bracket(speed_), 1);
             if (collides(shown)) find(lo, shown);
             else if (after > 0) continue;

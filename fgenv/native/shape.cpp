@@ -72,6 +72,37 @@ PackedBoxes find_solids(const Mesh& mesh, double& longest) {
     return pack_boxes(solids);
 }
 
+constexpr size_t most_corners = 4096;
+constexpr size_t most_pieces = 64;
+
+Piece piece_of(const Mesh& mesh, const std::vector<int32_t>& corners, size_t begin, size_t end) {
+    Box box = empty_box();
+    for (size_t i = begin; i < end; ++i) grow(box, mesh.vertices[corners[i]]);
+    Piece piece{0.5 * (box.lo + box.hi), 0, static_cast<int32_t>(begin), static_cast<int32_t>(end)};
+    for (size_t i = begin; i < end; ++i)
+        piece.radius = greater(piece.radius, norm(mesh.vertices[corners[i]] - piece.centre));
+    return piece;
+}
+
+void find_pieces(Shape& shape, const Mesh& mesh) {
+    if (mesh.vertices.size() > most_corners) return;
+    std::vector<std::pair<int32_t, int32_t>> of_shell;
+    for (size_t f = 0; f < mesh.faces.size(); ++f)
+        for (int32_t v : mesh.faces[f]) of_shell.emplace_back(mesh.shell[f], v);
+    std::sort(of_shell.begin(), of_shell.end());
+    of_shell.erase(std::unique(of_shell.begin(), of_shell.end()), of_shell.end());
+    size_t begin = 0;
+    for (size_t i = 0; i < of_shell.size(); ++i) {
+        shape.corners.push_back(of_shell[i].second);
+        if (i + 1 < of_shell.size() && of_shell[i + 1].first == of_shell[i].first) continue;
+        shape.pieces.push_back(piece_of(mesh, shape.corners, begin, i + 1));
+        begin = i + 1;
+    }
+    if (shape.pieces.size() > most_pieces) shape.pieces.clear();
+    shape.corners.shrink_to_fit();
+    shape.pieces.shrink_to_fit();
+}
+
 template <class T>
 size_t bytes(const std::vector<T>& v) {
     return v.capacity() * sizeof(T);
@@ -101,6 +132,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
         shape.radius = std::max(shape.radius, norm(p));
         shape.reach = std::max({shape.reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     }
+    find_pieces(shape, mesh);
     shape.mesh = std::move(mesh);
     // What only the build needed.
     shape.graph.kept = {};
@@ -118,7 +150,7 @@ size_t memory_bytes(const Shape& s) {
     return sizeof(Shape) + bytes(s.mesh.vertices) + bytes(s.mesh.faces) + bytes(s.mesh.closed) +
            bytes(s.graph.points) + bytes(s.graph.edges) + bytes(s.graph.kinds) +
            bytes(s.tree.nodes) + bytes(s.tree.oriented) + bytes(s.tree.boxes) + bytes(s.tree.leaves) + bytes(s.parts) +
-           bytes(s.anchors) + bytes(s.solids);
+           bytes(s.anchors) + bytes(s.solids) + bytes(s.corners) + bytes(s.pieces);
 }
 
 }  // namespace fgenv
