@@ -131,56 +131,68 @@ WorldHit World::raycast(Vec3 o, Vec3 d, double max_distance, const std::vector<B
     return best;
 }
 
-// Body by body, the nearest boxes first: each is looked up and turned once for all rays, which are tested
-// against its box eight at once.
+// Body by body, the nearest boxes first: each is looked up once for all rays, which are tested against its
+// box eight at once.
 void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
                  double* distances) const {
     struct Eight {
-        F8 inverse[3], slack[3];
+        F8 inverse[3];
     };
-    const float from[3] = {float(o.x), float(o.y), float(o.z)};
     const size_t n = directions.size();
     std::vector<Eight> rays((n + 7) / 8);
-    for (size_t k = 0; k < 8 * rays.size(); ++k)
+    bool flat = true;  // no ray leaves the height that it begins at
+    for (size_t k = 0; k < 8 * rays.size(); ++k) {
+        const Vec3& d = directions[std::min(k, n - 1)];
+        flat &= d.z == 0;
         for (int i = 0; i < 3; ++i) {
-            const double along = coordinate(directions[std::min(k, n - 1)], i);
-            const float inverse = static_cast<float>(1 / (std::fabs(along) > 1e-18 ? along : std::copysign(1e-18, along)));
-            rays[k / 8].inverse[i][k % 8] = inverse;
-            rays[k / 8].slack[i][k % 8] = std::fabs(inverse) * 0x1p-21f;
+            const double along = coordinate(d, i);
+            rays[k / 8].inverse[i][k % 8] =
+                static_cast<float>(1 / (std::fabs(along) > 1e-18 ? along : std::copysign(1e-18, along)));
         }
+    }
     std::fill(distances, distances + n, range);
     std::vector<BodyId> near;
     index_.overlapping(widened({o, o}, range), near);
     std::vector<std::pair<double, BodyId>> order;
     for (BodyId id : near) {
-        if (std::binary_search(ignored.begin(), ignored.end(), id)) continue;
         const Box& box = body(id).box;
+        if ((flat && (o.z < box.lo.z || o.z > box.hi.z)) || std::binary_search(ignored.begin(), ignored.end(), id)) continue;
         double squared = 0;
         for (int i = 0; i < 3; ++i) {
             const double x = coordinate(o, i);
             const double gap = greater(greater(coordinate(box.lo, i) - x, x - coordinate(box.hi, i)), 0);
             squared += gap * gap;
         }
-        order.emplace_back(squared, id);
+        if (squared <= range * range) order.emplace_back(squared, id);
     }
     std::sort(order.begin(), order.end());
     for (const auto& [squared, id] : order) {
         const Body& b = body(id);
-        const float lo[3] = {rounded_down(b.box.lo.x), rounded_down(b.box.lo.y), rounded_down(b.box.lo.z)};
-        const float hi[3] = {rounded_up(b.box.hi.x), rounded_up(b.box.hi.y), rounded_up(b.box.hi.z)};
-        const Rigid back = inverse(b.pose);
-        const Vec3 seen = apply(back, o);
+        float lo[3], hi[3];  // from the origin, wider than differences and products of floats are off by
+        for (int i = 0; i < 3; ++i) {
+            const double x = coordinate(o, i), low = coordinate(b.box.lo, i), high = coordinate(b.box.hi, i);
+            const double slack = (std::fabs(low) + std::fabs(high) + std::fabs(x)) * 0x1p-21;
+            lo[i] = rounded_down(low - x - slack);
+            hi[i] = rounded_up(high - x + slack);
+        }
+        Rigid back;
+        Vec3 seen;
+        bool placed = false;
         for (size_t block = 0; block < rays.size(); ++block) {
             F8 entry = F8{}, exit = splat(rounded_up(range));
-            for (int i = 0; i < 3; ++i) {
-                const F8 a = splat(lo[i] - from[i]) * rays[block].inverse[i], c = splat(hi[i] - from[i]) * rays[block].inverse[i];
-                const F8 slack = splat(std::fabs(lo[i]) + std::fabs(hi[i]) + std::fabs(from[i])) * rays[block].slack[i];
-                entry = max(entry, min(a, c) - slack);
-                exit = min(exit, max(a, c) + slack);
+            for (int i = 0; i < (flat ? 2 : 3); ++i) {
+                const F8 a = splat(lo[i]) * rays[block].inverse[i], c = splat(hi[i]) * rays[block].inverse[i];
+                entry = max(entry, min(a, c));
+                exit = min(exit, max(a, c));
             }
-            for (uint32_t m = bits(entry <= exit); m; m &= m - 1) {
+            for (uint32_t m = bits(entry <= exit * splat(1.000001f)); m; m &= m - 1) {
                 const size_t k = 8 * block + __builtin_ctz(m);
-                if (k >= n || entry[k % 8] > distances[k]) continue;
+                if (k >= n || entry[k % 8] > distances[k] * 1.000001) continue;
+                if (!placed) {
+                    back = inverse(b.pose);
+                    seen = apply(back, o);
+                    placed = true;
+                }
                 distances[k] = lesser(distances[k], kernels().raycast(*b.shape, seen, rotate(back, directions[k]), distances[k]).distance);
             }
         }
