@@ -353,6 +353,29 @@ class World:
         """
         return MotionResult(*self._core.check_motions(robots, T0, T1, margin, tolerance, t0, t1))
 
+    def meet(
+        self,
+        a: Body,
+        A0: ArrayLike,
+        A1: ArrayLike,
+        b: Body,
+        B0: ArrayLike,
+        B1: ArrayLike,
+        *,
+        margin: float = 0.0,
+        tolerance: float = TOLERANCE,
+        threads: int | None = None,
+    ) -> Any:
+        """Whether two robots that move at once, A0 to A1 and B0 to B1, are not proved apart.
+
+        Of these two alone, wherever they and all others are in the world: bool or array.
+
+        Args:
+            A0, A1, B0, B1: poses (..., 4, 4) or configurations (..., nq); they broadcast.
+            margin, tolerance: as for `check_motion`.
+        """
+        return self._core.meet(a, A0, A1, b, B0, B1, margin, tolerance, threads)
+
     def advance(
         self,
         robots: Sequence[Body] | NDArray[np.integer[Any]],

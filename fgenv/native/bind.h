@@ -9,6 +9,7 @@ void bind_queries(nanobind::module_& m);
 void bind_world(nanobind::module_& m);
 void bind_robot(nanobind::module_& m);
 void bind_simulator(nanobind::module_& m);
+void bind_checker(nanobind::module_& m);
 void bind_picture(nanobind::module_& m);
 
 }  // namespace fgenv

@@ -56,7 +56,7 @@ nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::ha
     Output<int32_t> other = make_output<int32_t>(p.shape.dims);
     parallel_for(p.shape.size, n, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
-            const Clearance found = w.clearance(id, p.place(i), p.time(i));
+            const Clearance found = w.clearance({id}, {p.place(i)}, p.time(i));
             distance.data[i] = found.distance;
             other.data[i] = found.other;
         }
@@ -134,6 +134,30 @@ nb::tuple check_motion(const World& w, nb::handle robot, nb::handle T0, nb::hand
             out.put(i, w.check_motion(id, from[shape.offset(0, i)], to[shape.offset(1, i)], s));
     });
     return out.tuple();
+}
+
+nb::object meet(const World& w, nb::handle a, nb::handle A0, nb::handle A1, nb::handle b, nb::handle B0, nb::handle B1,
+                double margin, double tolerance, nb::handle threads) {
+    const Asked first = asked(a, "a"), second = asked(b, "b");
+    const Model model_a = model_of(w, first, "a"), model_b = model_of(w, second, "b");
+    const Places from_a = places(model_a, A0, "A0"), to_a = places(model_a, A1, "A1");
+    const Places from_b = places(model_b, B0, "B0"), to_b = places(model_b, B1, "B1");
+    MotionSettings s = settings_of(margin, tolerance, 0, false, nb::none(), nb::none());
+    const Broadcast shape = broadcast({{"A0", from_a.dims()}, {"A1", to_a.dims()}, {"B0", from_b.dims()}, {"B1", to_b.dims()}});
+    const int n = threads_of(threads);
+    const auto lock = reading(w);
+    const BodyId one = mover_of(w, first, model_a, "a"), other = mover_of(w, second, model_b, "b");
+    if (one == other) fail("a, b: the same robot, wanted two");
+    const auto ask = [&](int64_t i) {
+        return w.meet(one, from_a[shape.offset(0, i)], to_a[shape.offset(1, i)], other, from_b[shape.offset(2, i)],
+                      to_b[shape.offset(3, i)], s);
+    };
+    if (shape.dims.empty()) return nb::cast(ask(0));
+    Output<bool> out = make_output<bool>(shape.dims);
+    parallel_for(shape.size, n, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) out.data[i] = ask(i);
+    });
+    return nb::cast(out.array);
 }
 
 // Of movers that are asked together: all bodies, or robots with the same coordinates.
@@ -257,6 +281,8 @@ void bind_world_queries(nb::class_<World>& c) {
         .def("clearance", &clearance, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), "threads"_a.none())
         .def("check_motion", &check_motion, "robot"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a, "tolerance"_a,
              "mode"_a.none(), "resolution"_a.none(), "first"_a, "t0"_a.none(), "t1"_a.none(), "threads"_a.none())
+        .def("meet", &meet, "a"_a.none(), "A0"_a.none(), "A1"_a.none(), "b"_a.none(), "B0"_a.none(), "B1"_a.none(),
+             "margin"_a, "tolerance"_a, "threads"_a.none())
         .def("check_motions", &check_motions, "robots"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a,
              "tolerance"_a, "t0"_a.none(), "t1"_a.none())
         .def("advance", &advance, "robots"_a.none(), "to"_a.none(), "margin"_a, "tolerance"_a, "t0"_a.none(), "t1"_a.none())

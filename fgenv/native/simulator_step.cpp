@@ -153,7 +153,7 @@ void Simulator::settle(Episode& episode, int32_t i, const double* asked) {
     const double before = runner.remaining;
     runner.remaining = remaining(agent, runner);
     if (settings_.clearance || w.closeness != 0) {
-        runner.clearance = episode.world.clearance(agent.id, {identity(), runner.q}, now).distance;
+        runner.clearance = episode.world.clearance({agent.id}, {{identity(), runner.q}}, now).distance;
         runner.least_clearance = lesser(runner.least_clearance, runner.clearance);
         runner.reward += w.closeness * greater(0, 1 - runner.clearance / settings_.near);
     }

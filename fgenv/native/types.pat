@@ -2,7 +2,7 @@
 # one value for one pair of poses and an array for many: Any, as is usual in such a case.
 
 fgenv._core.__prefix__:
-    \from collections.abc import Iterable, Sequence
+    \from collections.abc import Callable, Iterable, Sequence
     \from typing import Any
     \from numpy import bool_, float32, float64, int32, int64, uint8
     \from numpy.typing import ArrayLike, NDArray
@@ -203,3 +203,27 @@ fgenv._core.Painter.__init__$:
 
 fgenv._core.Painter.paint$:
     def paint(self, poses: ArrayLike, eye: ArrayLike, axes: ArrayLike, pixels_per_slope: float, width: int, height: int, floor: ArrayLike | None, marks: ArrayLike, samples: int, contrast: float, threads: int | None) -> NDArray[uint8]: ...
+
+fgenv._core.World.meet$:
+    def meet(self, a: int | str, A0: ArrayLike, A1: ArrayLike, b: int | str, B0: ArrayLike, B1: ArrayLike, margin: float, tolerance: float, threads: int | None) -> Any: ...
+
+fgenv._core.Checker.__init__$:
+    def __init__(self, world: World, robots: Any, sizes: Sequence[int], ways: Sequence[int], radii: Sequence[float], reverse: Sequence[bool], margin: float, tolerance: float, resolution: float) -> None: ...
+
+fgenv._core.Checker.serve$:
+    def serve(self, serialize: Callable[[Any, Any], None]) -> tuple[Callable[[Any], bool], Callable[[Any, Any], bool], Callable[[Any], float]]: ...
+
+fgenv._core.Checker.watch$:
+    def watch(self, stop: Callable[[], None] | None, most: int) -> None: ...
+
+fgenv._core.Checker.valid$:
+    def valid(self, q: ArrayLike) -> Any: ...
+
+fgenv._core.Checker.free$:
+    def free(self, q0: ArrayLike, q1: ArrayLike) -> Any: ...
+
+fgenv._core.Checker.error$:
+    def error(self) -> BaseException | None: ...
+
+fgenv._core.legs$:
+    def legs(robot: Robot, way: int, radius: float, reverse: bool, q0: ArrayLike, q1: ArrayLike) -> NDArray[float64]: ...

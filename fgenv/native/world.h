@@ -104,6 +104,11 @@ struct Clearance {
     BodyId other = -1;
 };
 
+// Two bodies that met when last asked, and are asked first: what is in the way once is so again.
+struct Suspects {
+    BodyId a = -1, b = -1;
+};
+
 struct WorldHit {
     double distance = HUGE_VAL;
     BodyId body = -1;
@@ -154,7 +159,8 @@ public:
     int own_bit(BodyId robot) const;
 
     bool collides(BodyId robot, const Place& place, double time, double margin) const;
-    Clearance clearance(BodyId robot, const Place& place, double time) const;
+    // To the nearest of all others, of any of these movers, and among them.
+    Clearance clearance(const std::vector<BodyId>& robots, const std::vector<Place>& places, double time) const;
     MotionOutcome check_motion(BodyId robot, const Place& from, const Place& to, const MotionSettings& settings) const;
     // All at once, each against the others' motions too.
     std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
@@ -163,6 +169,14 @@ public:
     // there. Where nobody overlapped before, nobody does afterwards. With `through` all go on to the end.
     std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
                                        const MotionSettings& settings, bool through = false);
+    // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
+    // nobody. Of a motion the beginning is taken to be free.
+    bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects) const;
+    bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
+                 const MotionSettings& settings, Suspects& suspects) const;
+    // Whether two movers that go at once are not proved apart, whatever else there is.
+    bool meet(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
+              const MotionSettings& settings) const;
     // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
     void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
               double* distances) const;
@@ -194,6 +208,7 @@ private:
     struct Part;
     struct Sweeping;
     struct Fleet;
+    struct Pair;
     struct Meeting {  // of two movers, fractions of the whole motion
         Contact contact;
         BodyId of_a = -1, of_b = -1;
@@ -238,6 +253,11 @@ private:
     std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
     std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
     void count_tests(const std::vector<MotionOutcome>& outcomes) const;
+    std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving, bool standing) const;
+    bool look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
+                 double margin, Suspects& suspects, int64_t& asked) const;
+    bool certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,
+                   Suspects& suspects, int64_t& asked) const;
 
     Masks masks_;
     std::vector<std::unique_ptr<Body>> bodies_;  // by id

@@ -67,39 +67,57 @@ bool World::collides(BodyId id, const Place& place, double time, double margin) 
     return hit;
 }
 
-Clearance World::clearance(BodyId id, const Place& place, double time) const {
-    const Body& robot = body(id);
-    const Frames frames = frames_at(robot.robot.get(), place);
+Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<Place>& places, double time) const {
+    struct Placed {
+        const Body* part;
+        Rigid pose;
+        Box box;
+    };
+    std::vector<std::vector<Placed>> all;
+    for (size_t i = 0; i < robots.size(); ++i) {
+        const Body& robot = body(robots[i]);
+        const Frames frames = frames_at(robot.robot.get(), places[i]);
+        all.emplace_back();
+        for (BodyId id : robot.parts) {
+            const Body& part = body(id);
+            const Rigid pose = part.in(frames);
+            all[i].push_back({&part, pose, posed_box(*part.shape, pose)});
+        }
+    }
     Clearance best;
     double squared = HUGE_VAL;
     float bound = float_bound(squared);  // not infinite: so are the keys of lanes without a body
     int64_t n = 0;
-    for (BodyId part_id : robot.parts) {
-        const Body& part = body(part_id);
-        const Rigid placed = part.in(frames);
-        const Box box = posed_box(*part.shape, placed);
-        const float lo[3] = {rounded_down(box.lo.x), rounded_down(box.lo.y), rounded_down(box.lo.z)};
-        const float hi[3] = {rounded_up(box.hi.x), rounded_up(box.hi.y), rounded_up(box.hi.z)};
-        walk_nearest(
-            index_.packed(), bound, [&](const BoxBlock& b) { return squared_gaps(b, lo, hi); },
-            [&](BodyId other) {
-                const Body& b = body(other);
-                if (b.root == id || ignores(part, b)) return;
-                ++n;
-                const Rigid there = relative(placed, pose_of(b, time));
-                double found;
-                if (overlap(box, box_of(b, time)) && kernels().collide(*part.shape, *b.shape, there, true, nullptr))
-                    found = 0;
-                else
-                    found = kernels().nearest(*part.shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
-                // Which of two as near comes first must not depend on how the index was built.
-                if (found > squared || (found == squared && best.other >= 0 && other > best.other)) return;
-                if (found == HUGE_VAL) return;
-                squared = found;
-                bound = float_bound(squared);
-                best = {std::sqrt(squared), other};
-            });
-    }
+    const auto measure = [&](const Placed& a, const Body& b, const Rigid& pose, const Box& box) {
+        ++n;
+        const Rigid there = relative(a.pose, pose);
+        double found;
+        if (overlap(a.box, box) && kernels().collide(*a.part->shape, *b.shape, there, true, nullptr))
+            found = 0;
+        else
+            found = kernels().nearest(*a.part->shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
+        // Which of two as near comes first must not depend on how the index was built.
+        if (found > squared || (found == squared && best.other >= 0 && b.id > best.other)) return;
+        if (found == HUGE_VAL) return;
+        squared = found;
+        bound = float_bound(squared);
+        best = {std::sqrt(squared), b.id};
+    };
+    for (size_t i = 0; i < all.size(); ++i)
+        for (const Placed& a : all[i]) {
+            const float lo[3] = {rounded_down(a.box.lo.x), rounded_down(a.box.lo.y), rounded_down(a.box.lo.z)};
+            const float hi[3] = {rounded_up(a.box.hi.x), rounded_up(a.box.hi.y), rounded_up(a.box.hi.z)};
+            walk_nearest(
+                index_.packed(), bound, [&](const BoxBlock& b) { return squared_gaps(b, lo, hi); },
+                [&](BodyId other) {
+                    const Body& b = body(other);
+                    if (std::find(robots.begin(), robots.end(), b.root) != robots.end() || ignores(*a.part, b)) return;
+                    measure(a, b, pose_of(b, time), box_of(b, time));
+                });
+            for (size_t j = i + 1; j < all.size(); ++j)
+                for (const Placed& b : all[j])
+                    if (!ignores(*a.part, *b.part)) measure(a, *b.part, b.pose, b.box);
+        }
     tests_.fetch_add(n, std::memory_order_relaxed);
     return best;
 }

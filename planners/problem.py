@@ -1,0 +1,159 @@
+"""A scenario as a planner takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.collision import World
+from fgenv.robots import Robot
+from fgenv.scenarios import Built, Scenario
+
+from .errors import PlanningError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Robots that have to get from their starts to their goals.
+
+    Attributes:
+        built: of the scenario.
+        world: of all bodies, the robots at their starts.
+        margin: metres that robots keep from everything, and from each other.
+        seed: of all that is random.
+    """
+
+    built: Built
+    world: World
+    margin: float = 0.0
+    seed: int = 0
+
+    @classmethod
+    def of(
+        cls, scenario: str | Path | Scenario | Problem, margin: float = 0.0, seed: int = 0, **overrides: Any
+    ) -> Problem:
+        """From a scenario, its name or its file.
+
+        Args:
+            overrides: for `Scenario.load`.
+        """
+        if isinstance(scenario, Problem):
+            return scenario
+        if not np.isfinite(margin) or margin < 0:
+            raise ValueError(f"margin: {margin}, wanted metres, 0 or more")
+        if seed < 0:
+            raise ValueError(f"seed: {seed}, wanted 0 or more")
+        if not isinstance(scenario, Scenario):
+            scenario = Scenario.load(scenario, **overrides)
+        if not scenario.robots:
+            raise ValueError(f"scenario: {scenario.name!r} has no robots, wanted one at least")
+        built = scenario.build()
+        return cls(built, built.world(), float(margin), int(seed))
+
+    @property
+    def scenario(self) -> Scenario:
+        """Where it comes from."""
+        return self.built.scenario
+
+    @property
+    def models(self) -> tuple[Robot, ...]:
+        """The robots' models."""
+        return self.built.robots
+
+    @property
+    def starts(self) -> tuple[Floats, ...]:
+        """Configurations, (nq,) each."""
+        return self.built.starts
+
+    @property
+    def goals(self) -> tuple[Floats, ...]:
+        """Configurations, (nq,) each."""
+        return self.built.goals
+
+    @property
+    def dt(self) -> float:
+        """Seconds of a step."""
+        return self.scenario.time_step
+
+    @property
+    def vanish(self) -> bool:
+        """Whether a robot at its goal is gone, rather than an obstacle."""
+        return self.scenario.at_goal == "vanish"
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the robots."""
+        return tuple(groups[0] for groups in self.built.groups)
+
+    @cached_property
+    def robots(self) -> tuple[int, ...]:
+        """Ids in `world`."""
+        names = dict(zip(self.world.names, self.world.ids.tolist(), strict=True))
+        return tuple(self._id(names, i) for i in range(len(self.names)))
+
+    def _id(self, names: dict[str, int], i: int) -> int:
+        name = self.names[i]
+        return names[name] if name in names else int(self.world.parts(name)[0])
+
+    @cached_property
+    def kinds(self) -> tuple[int, ...]:
+        """Equal for robots that can be taken for each other: they share roadmaps."""
+        known: dict[Any, int] = {}
+        specs = self.scenario.robots
+        return tuple(
+            known.setdefault((s.model, s.mount.pose.tobytes(), s.groups), len(known)) for s in specs
+        )
+
+    def alone(self, i: int) -> World:
+        """A world of the bodies that stand and robot i."""
+        world = self.built.world(robots=False)
+        self.built.add_robot(world, i, self.starts[i])
+        return world
+
+    def index(self, robot: int | str) -> int:
+        """Place of a robot, by its name or place.
+
+        Raises:
+            ValueError: there is none.
+        """
+        if isinstance(robot, str):
+            if robot not in self.names:
+                raise ValueError(f"robot: {robot!r}, wanted one of {', '.join(self.names)}")
+            return self.names.index(robot)
+        if not 0 <= robot < len(self.names):
+            raise ValueError(f"robot: {robot}, wanted 0 to {len(self.names) - 1}, or a name")
+        return int(robot)
+
+    def check(self, which: Sequence[int] | None = None) -> None:
+        """PlanningError where starts, or goals, collide: says who with whom."""
+        which = range(len(self.names)) if which is None else which
+        for label, ends in (("start", self.starts), ("goal", self.goals)):
+            world = self.world.copy()
+            for i, q in zip(self.robots, ends, strict=True):
+                world.set_configuration(i, q)
+            for i in which:
+                if self._fails(world, i, label):
+                    raise PlanningError(self._conflict(world, i, label))
+
+    def _fails(self, world: World, i: int, label: str) -> bool:
+        q = (self.starts if label == "start" else self.goals)[i]
+        return bool(world.collides(self.robots[i], q, margin=self.margin))
+
+    def _conflict(self, world: World, i: int, label: str) -> str:
+        own = set(world.parts(self.robots[i]).tolist())
+        names = dict(zip(world.ids.tolist(), world.names, strict=True))
+        pairs = world.contacts(margin=self.margin).tolist()
+        met = [b if a in own else a for a, b in pairs if a in own or b in own]
+        inside = [names[b] for b in met if b in own]
+        others = sorted({names[b].split("/")[0] for b in met if b not in own})
+        told = " and ".join(others or (["itself"] if inside else ["something"]))
+        near = f", or is closer than the margin of {self.margin:g} m" if self.margin else ""
+        return f"{label} of {self.names[i]!r}: collides with {told}{near}; move it, or the {label}"

@@ -1,0 +1,201 @@
+"""Timed paths: where robots are at each step of time, within their limits of speed and acceleration.
+
+In a step every robot goes straight from one configuration to the next, which is what `env.step`
+does and what is proved. Way points are passed exactly where accelerations are not limited, and
+come to rest at where they are. Ruckig (L. Berscheid and T. Kroeger, "Jerk-limited real-time
+trajectory generation with arbitrary target states", 2021) gives the profile along each stretch: it
+works offline, in closed form, ends on whole steps, and never leaves a straight line; TOPP-RA wants
+a spline through the way points, which leaves the polyline that was proved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.robots import Car, DifferentialDrive, Drive, Drone, Holonomic, Robot
+
+from .steering import platform
+
+Floats = NDArray[np.float64]
+
+SPEED = 1.0  # m/s of the fastest point of a robot that has no drive
+BEND = 1e-6  # directions that differ less go on straight
+LEAST = 1e-12  # a change that is none
+
+
+@dataclass(frozen=True)
+class Amount:
+    """One thing that a leg changes, and its limits: metres or radians, a second, a second squared."""
+
+    change: float
+    speed: float
+    acceleration: float
+
+
+def steps_of(robot: Robot, path: Floats, dt: float) -> Floats:
+    """Configurations at each step of dt seconds, (k + 1, nq), along a path (m, nq), rest to rest."""
+    return steps_together((robot,), (path,), dt)[0]
+
+
+def steps_together(
+    robots: Sequence[Robot], paths: Sequence[Floats], dt: float
+) -> list[Floats]:
+    """The same of robots that are at way point i at the same time, (k + 1, nq) each.
+
+    Args:
+        robots: whose limits hold.
+        paths: (m, nq) each, equally long.
+        dt: seconds.
+    """
+    cars = all(isinstance(platform(robot.drive), Car) for robot in robots)
+    durations, rates, stretches = [], [], [0]
+    for k in range(len(paths[0]) - 1):
+        ends = [(path[k], path[k + 1]) for path in paths]
+        amounts = [a for robot, leg in zip(robots, ends, strict=True) for a in _amounts(robot, *leg, dt)]
+        duration = max((a.change / a.speed for a in amounts), default=0.0)
+        durations.append(duration)
+        rates.append(min((a.acceleration / a.change for a in amounts), default=math.inf) * duration)
+        if k and not all(
+            _goes_on(robot, path[k - 1 : k + 2], cars)
+            for robot, path in zip(robots, paths, strict=True)
+        ):
+            stretches.append(k)
+    stretches.append(len(durations))
+    places = [np.zeros(1)]
+    for first, last in zip(stretches, stretches[1:], strict=False):
+        places.append(_profile(durations[first:last], min(rates[first:last], default=math.inf), first, dt))
+    at = np.concatenate(places)
+    return [_along(robot, path, at) for robot, path in zip(robots, paths, strict=True)]
+
+
+def _profile(durations: list[float], acceleration: float, first: int, dt: float) -> Floats:
+    """Places along a stretch at each step after its beginning: number of the leg plus fraction."""
+    ends = np.concatenate([[0.0], np.cumsum(durations)])
+    if ends[-1] < LEAST:
+        return np.array([first + float(len(durations))]) if ends[-1] > 0 else np.empty(0)
+    way = _ruckig(ends[-1], acceleration, dt)
+    legs = np.interp(way, ends, np.arange(len(ends), dtype=float))
+    legs[-1] = len(durations)
+    return first + legs
+
+
+def _ruckig(length: float, acceleration: float, dt: float) -> Floats:
+    """From rest to rest at a speed of 1 at most, in whole steps: where it is after each."""
+    solver, wanted, trajectory = _solver(dt)
+    wanted.target_position = [length]
+    wanted.max_velocity = [1.0]
+    wanted.max_acceleration = [acceleration]
+    solver.calculate(wanted, trajectory)
+    steps = max(1, round(trajectory.duration / dt))
+    return np.array([trajectory.at_time(k * dt)[0][0] for k in range(1, steps + 1)])
+
+
+@cache
+def _solver(dt: float):  # type: ignore[no-untyped-def]
+    import ruckig
+
+    wanted = ruckig.InputParameter(1)
+    wanted.current_position = wanted.current_velocity = wanted.current_acceleration = [0.0]
+    wanted.target_velocity = wanted.target_acceleration = [0.0]
+    wanted.duration_discretization = ruckig.DurationDiscretization.Discrete
+    return ruckig.Ruckig(1, dt), wanted, ruckig.Trajectory(1)
+
+
+def _along(robot: Robot, path: Floats, at: Floats) -> Floats:
+    """Configurations at places along a path: number of the leg plus fraction."""
+    if len(path) == 1:
+        return np.repeat(path, len(at), axis=0)
+    leg = np.minimum(at.astype(int), len(path) - 2)
+    return robot.interpolate(path[leg], path[leg + 1], np.clip(at - leg, 0.0, 1.0))
+
+
+def _goes_on(robot: Robot, three: Floats, cars: bool) -> bool:
+    """Whether it may pass the middle one of three way points (3, nq) without a stop.
+
+    A car's chords follow an arc: it stops only where it turns back.
+    """
+    before, after = (_change(robot, three[k], three[k + 1]) for k in (0, 1))
+    if cars:
+        return float(before[:2] @ after[:2]) >= 0
+    a, b = float(np.linalg.norm(before)), float(np.linalg.norm(after))
+    return a > LEAST and b > LEAST and float(np.linalg.norm(before / a - after / b)) < BEND
+
+
+def _change(robot: Robot, a: Floats, b: Floats) -> Floats:
+    """b - a, the shorter way around; of a free base's turn the rotation vector."""
+    change: Floats = b - a
+    change[robot.endless] = np.remainder(change[robot.endless] + math.pi, 2 * math.pi) - math.pi
+    if robot.base == "free":
+        u, v = a[3:6], b[3:6]
+        axis = a[6] * v - b[6] * u + np.cross(u, v)
+        w = a[6] * b[6] + u @ v
+        sine = float(np.linalg.norm(axis))
+        angle = 2 * math.atan2(sine, abs(w)) * (1 if w >= 0 else -1)
+        turn = axis * (angle / sine if sine > 0 else 0.0)
+        change = np.concatenate([change[:3], turn, change[7:]])
+    return change
+
+
+def _amounts(robot: Robot, a: Floats, b: Floats, dt: float) -> list[Amount]:
+    """What changes on a leg, with its limits."""
+    if robot.drive is None:
+        far = float(robot.distance(a, b))
+        return [Amount(far, SPEED, math.inf)] if far > LEAST else []
+    change = _change(robot, a, b)
+    drive = platform(robot.drive)
+    found = []
+    if robot.base != "fixed" and drive is not None:
+        found += _of_base(drive, change, float(a[2]), dt)
+    actions = robot.actions[len(robot.actions) - len(robot.moving_joints) :]
+    moved = change[len(change) - len(robot.moving_joints) :]
+    if robot.moving_joints and len(actions) == len(moved):
+        found += [
+            Amount(abs(d), action.high, action.rate)
+            for d, action in zip(moved.tolist(), actions, strict=True)
+        ]
+    return [amount for amount in found if amount.change > LEAST]
+
+
+def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount]:
+    """What changes of a base. Of speeds a little is kept back where it turns on its way: a step's
+    arc is longer than its chord."""
+    flat = float(np.hypot(change[0], change[1]))
+    if isinstance(drive, Drone):
+        turn = float(np.linalg.norm(change[3:6]))
+        room = _arc(drive.turn_rate * dt) if turn > LEAST else 1.0
+        climb = drive.speed if drive.climb is None else drive.climb
+        return [
+            Amount(flat, room * drive.speed, drive.acceleration),
+            Amount(abs(float(change[2])), climb, drive.acceleration),
+            Amount(turn, drive.turn_rate, drive.turn_acceleration),
+        ]
+    turn = abs(float(change[2]))
+    if isinstance(drive, Holonomic):
+        room = _arc(drive.turn_rate * dt) if turn > LEAST else 1.0
+        return [
+            Amount(flat, room * drive.speed, drive.acceleration),
+            Amount(turn, drive.turn_rate, drive.turn_acceleration),
+        ]
+    if isinstance(drive, (DifferentialDrive, Car)):
+        ahead = change[0] * math.cos(yaw) + change[1] * math.sin(yaw)
+        back = drive.speed if drive.reverse is None else drive.reverse
+        speed = drive.speed if ahead >= 0 else back
+        if isinstance(drive, Car):
+            return [Amount(flat, speed, drive.acceleration)]
+        return [
+            Amount(flat, speed, drive.acceleration),
+            Amount(turn, drive.turn_rate, drive.turn_acceleration),
+        ]
+    return []
+
+
+def _arc(turn: float) -> float:
+    """A chord's length by its arc's."""
+    half = min(turn / 2, 1.5)
+    return math.sin(half) / half if half > 0 else 1.0
