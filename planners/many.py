@@ -1,0 +1,156 @@
+"""What the many-robot methods share: roadmaps and tables of a problem, its ends, and results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+
+from .conflicts import Meetings
+from .errors import PlanningError
+from .growing import grow
+from .intervals import Timed
+from .moves import GONE, Floats, Ints
+from .roadmap import FAR, Roadmap
+from .sipp import Effort, Track
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+NONE = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a method took.
+
+    Attributes:
+        expanded: states of single robots' searches.
+        searches: of single robots.
+        checks: pairs of steps that the world was asked.
+        roadmaps: vertices and moves of each kind's.
+        restarts: orders tried beside the first, of `prioritized`.
+        nodes: of the high level, of `conflict_based`.
+        knots: groups that were solved jointly.
+    """
+
+    expanded: int = 0
+    searches: int = 0
+    checks: int = 0
+    roadmaps: tuple[tuple[int, int], ...] = ()
+    restarts: int = 0
+    nodes: int = 0
+    knots: tuple[tuple[int, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class Timetable:
+    """Timed paths: configurations (k + 1, nq) at each step, of each robot; None: it has none."""
+
+    paths: tuple[Floats | None, ...]
+    stats: Stats = field(default_factory=Stats)
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Robots without a path."""
+        return tuple(i for i, path in enumerate(self.paths) if path is None)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every robot has a path."""
+        return not self.missing
+
+
+class Tables:
+    """A problem's roadmaps, and which of their steps meet; made on demand, shared by searches."""
+
+    def __init__(self, problem: Problem, finer: int = 0) -> None:
+        self.problem, self.finer = problem, finer
+
+    @cached_property
+    def kinds(self) -> tuple[int, ...]:
+        """For each robot, the place of its kind's roadmap."""
+        known = sorted(set(self.problem.kinds))
+        return tuple(known.index(kind) for kind in self.problem.kinds)
+
+    @cached_property
+    def roadmaps(self) -> tuple[Roadmap, ...]:
+        """One of each kind."""
+        known = sorted(set(self.problem.kinds))
+        return tuple(grow(self.problem, kind, first=self.finer) for kind in known)
+
+    @cached_property
+    def meetings(self) -> Meetings:
+        """Which steps of them meet."""
+        ids = self.problem.robots
+        members = [
+            [ids[i] for i, k in enumerate(self.kinds) if k == kind]
+            for kind in range(len(self.roadmaps))
+        ]
+        steps = [roadmap.steps for roadmap in self.roadmaps]
+        return Meetings(self.problem.world, steps, members, self.problem.margin)
+
+    @cached_property
+    def starts(self) -> tuple[int, ...]:
+        """The vertex of each robot's start."""
+        return tuple(
+            self.roadmaps[k].vertex(q)
+            for k, q in zip(self.kinds, self.problem.starts, strict=True)
+        )
+
+    @cached_property
+    def goals(self) -> tuple[int, ...]:
+        """The vertex of each robot's goal."""
+        return tuple(
+            self.roadmaps[k].vertex(q) for k, q in zip(self.kinds, self.problem.goals, strict=True)
+        )
+
+    @cached_property
+    def park(self) -> bool:
+        """Whether robots stay at their goals."""
+        return not self.problem.vanish
+
+    def roadmap(self, i: int) -> Roadmap:
+        """Of robot i."""
+        return self.roadmaps[self.kinds[i]]
+
+    def least(self, i: int) -> int:
+        """Steps that robot i needs at least, alone."""
+        return self.roadmap(i).to(self.goals[i])[self.starts[i]]
+
+    def timed(self, i: int, track: Track) -> Timed:
+        """Robot i's track as others see it."""
+        return Timed(self.kinds[i], track.steps, self.goals[i] if self.park else GONE)
+
+    def given(self, i: int, path: Floats) -> Timed:
+        """A timed path (k + 1, nq) of robot i that is not on its roadmap, as others see it."""
+        table = self.roadmap(i).steps
+        first = table.add(path[:-1], path[1:])
+        steps = first + np.arange(len(path) - 1, dtype=np.int64)
+        return Timed(self.kinds[i], steps, self.goals[i] if self.park else GONE)
+
+    def path(self, i: int, timed: Timed) -> Floats:
+        """Configurations (k + 1, nq) of robot i at each step."""
+        if not len(timed.steps):
+            return self.problem.starts[i][None].copy()
+        return self.roadmap(i).steps.path(timed.steps)
+
+    def stats(self, effort: Effort, **more: object) -> Stats:
+        """Of what was done so far."""
+        sizes = tuple((len(r.q), len(r.heads)) for r in self.roadmaps)
+        done = {"expanded": effort.expanded, "searches": effort.searches}
+        return Stats(**done, checks=self.meetings.checks, roadmaps=sizes, **more)  # type: ignore[arg-type]
+
+    def check(self) -> None:
+        """PlanningError where starts or goals make the problem impossible, or no roadmap will do."""
+        self.problem.check()
+        for i in range(len(self.kinds)):
+            if self.least(i) >= FAR:
+                size = len(self.roadmap(i).q)
+                raise PlanningError(
+                    f"{self.problem.names[i]}: no way from start to goal on a roadmap of {size}"
+                    " vertices, even with no other robot there"
+                )

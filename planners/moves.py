@@ -1,0 +1,84 @@
+"""Steps: what a robot does in one time step, by number, with a ball around each.
+
+A step is a straight motion (`Robot.interpolate`) that takes one time step; waiting is a step that
+stays. Robots of a kind share a table of them, so that what is found out about two steps is kept
+under two numbers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.robots import Robot
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+GONE = -1  # the step of a robot that is not there any more
+SLACK = 1e-9  # metres, for rounding
+
+
+class Balls:
+    """Balls around a robot's steps."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        parts = [(p, np.asarray(p.shape.vertices, dtype=np.float64)) for p in robot.parts]
+        self._links = np.array([p.link for p, _ in parts], dtype=np.int64)
+        boxes = [0.5 * (v.min(0) + v.max(0)) for _, v in parts]  # middles, the shapes' frames
+        turned = [p.origin[:3, :3] @ c + p.origin[:3, 3] for (p, _), c in zip(parts, boxes)]
+        self._middles = np.array(turned).reshape(-1, 3)  # the links' frames
+        far = [((v - c) ** 2).sum(1).max() for (_, v), c in zip(parts, boxes)]
+        self._radii = np.sqrt(np.array(far))
+
+    def around(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
+        """Centres (n, 3) and radii (n,), metres: they hold the robot all along q0 to q1, (n, nq)."""
+        middle = self.robot.interpolate(q0, q1, 0.5)
+        poses = self.robot.forward(middle)[:, self._links]  # (n, parts, 4, 4)
+        at = (poses[..., :3, :3] @ self._middles[..., None])[..., 0] + poses[..., :3, 3]
+        centre = 0.5 * (at.min(1) + at.max(1))
+        away = np.sqrt(((at - centre[:, None]) ** 2).sum(-1)) + self._radii
+        way = self.robot.distance  # no point goes farther than this
+        half = np.maximum(way(middle, q0), way(middle, q1))
+        return centre, away.max(1) + half + SLACK
+
+
+class Steps:
+    """A table of steps of one kind of robot, which grows.
+
+    Attributes:
+        q0, q1: (n, nq), where each begins and ends.
+        centre, radius: (n, 3) and (n,), metres: a ball that holds the robot all along it.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self._balls = Balls(robot)
+        self._n = 0
+        self._rows = [np.empty((64, k)) for k in (robot.nq, robot.nq, 3, 1)]
+
+    def __len__(self) -> int:
+        return self._n
+
+    q0 = property(lambda self: self._rows[0][: self._n])
+    q1 = property(lambda self: self._rows[1][: self._n])
+    centre = property(lambda self: self._rows[2][: self._n])
+    radius = property(lambda self: self._rows[3][: self._n, 0])
+
+    def add(self, q0: Floats, q1: Floats) -> int:
+        """Add steps from q0 to q1, (m, nq) each; returns the number of the first."""
+        first, end = self._n, self._n + len(q0)
+        if not len(q0):
+            return first
+        while end > len(self._rows[0]):
+            self._rows = [np.concatenate([rows, np.empty_like(rows)]) for rows in self._rows]
+        centre, radius = self._balls.around(q0, q1)
+        for rows, new in zip(self._rows, (q0, q1, centre, radius[:, None]), strict=True):
+            rows[first:end] = new
+        self._n = end
+        return first
+
+    def path(self, ids: Ints) -> Floats:
+        """Configurations (k+1, nq) of steps (k,) one after the other."""
+        return np.concatenate([self.q0[ids], self.q1[ids[-1:]]])
