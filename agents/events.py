@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from fgenv.collision import Contact
-from fgenv.planners import Plan, Proof
+from fgenv.planners import PlanarPlan, Proof
 from fgenv.scenarios.planar import Floats
 
 Configuration = tuple[float, float, float]
@@ -57,7 +57,7 @@ class Replanned:
     time: float
     path: Floats
     back_off: float
-    plan: Plan
+    plan: PlanarPlan
     proof: Proof
 
 

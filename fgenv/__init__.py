@@ -1,18 +1,22 @@
 """Exact, fast collision detection by feature graphs, for environments of many robots."""
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fgenv.envs.aec import env as env
     from fgenv.envs.parallel import parallel_env as parallel_env
+    from fgenv.planners.methods import plan as plan
+    from fgenv.planners.plans import verify as verify
 
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> Any:
-    """`parallel_env` and `env`, imported when first asked for: they bring PettingZoo along."""
-    if name not in ("env", "parallel_env"):
-        raise AttributeError(f"module 'fgenv' has no attribute {name!r}")
-    import fgenv.envs as envs
+FACES = {"env": "envs", "parallel_env": "envs", "plan": "planners", "verify": "planners"}
 
-    return getattr(envs, name)
+
+def __getattr__(name: str) -> Any:
+    """Environments and planning, imported when first asked for: PettingZoo and OMPL come along."""
+    if name not in FACES:
+        raise AttributeError(f"module 'fgenv' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"fgenv.{FACES[name]}"), name)

@@ -1,15 +1,69 @@
 """Motion planning with OMPL over fgenv's worlds."""
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from fgenv.planners.errors import PlanningError
 from fgenv.planners.planar import PlanarChecker, plan_planar
 from fgenv.planners.proof import Proof, prove_free
-from fgenv.planners.rrt_connect import Plan, PlanningError, rrt_connect
+from fgenv.planners.rrt_connect import PlanarPlan, rrt_connect
+
+if TYPE_CHECKING:
+    from fgenv.planners.certificate import Certificate, certify
+    from fgenv.planners.methods import METHODS, plan
+    from fgenv.planners.plans import Plan, PlanError, verify
+    from fgenv.planners.plugin import MotionValidator, Setup, StateValidityChecker, setup
+    from fgenv.planners.problem import Problem
+    from fgenv.planners.solve import PLANNERS, Route, composite
+    from fgenv.planners.spaces import Layout, space_of
+    from fgenv.planners.steering import Steering, legs
+
+# By module; imported when first asked for: some bring OMPL along, which takes a while.
+LATER = {
+    "certificate": ("Certificate", "certify"),
+    "methods": ("METHODS", "plan"),
+    "plans": ("Plan", "PlanError", "verify"),
+    "plugin": ("MotionValidator", "Setup", "StateValidityChecker", "setup"),
+    "problem": ("Problem",),
+    "solve": ("PLANNERS", "Route", "composite"),
+    "spaces": ("Layout", "space_of"),
+    "steering": ("Steering", "legs"),
+}
 
 __all__ = [
+    "METHODS",
+    "PLANNERS",
+    "Certificate",
+    "Layout",
+    "MotionValidator",
     "Plan",
+    "PlanError",
     "PlanarChecker",
+    "PlanarPlan",
     "PlanningError",
+    "Problem",
     "Proof",
+    "Route",
+    "Setup",
+    "StateValidityChecker",
+    "Steering",
+    "certify",
+    "composite",
+    "legs",
+    "plan",
     "plan_planar",
     "prove_free",
     "rrt_connect",
+    "setup",
+    "space_of",
+    "verify",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in LATER.items():
+        if name in names:
+            return getattr(importlib.import_module(f"fgenv.planners.{module}"), name)
+    raise AttributeError(f"module 'fgenv.planners' has no attribute {name!r}")

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv.collision import World
 from fgenv.collision.world import MotionResult
-from fgenv.planners.rrt_connect import Plan, PlanningError, rrt_connect
+from fgenv.planners.errors import PlanningError
+from fgenv.planners.rrt_connect import PlanarPlan, rrt_connect
 from fgenv.scenarios import bounds as bounds_of
 from fgenv.scenarios import in_contact
 from fgenv.scenarios.planar import Floats, as_path, as_poses, reach
@@ -64,8 +65,8 @@ def plan_planar(
     resolution: float = 0.02,
     seed: int = 0,
     time_limit: float = 10.0,
-) -> Plan:
-    """Plan for the checker's robot from start to goal (x, y, yaw each); see `rrt_connect`.
+) -> PlanarPlan:
+    """PlanarPlan for the checker's robot from start to goal (x, y, yaw each); see `rrt_connect`.
 
     States keep the checker's margin; the path's edges are proved free. Without bounds the origin
     may go where it can pass around everything. Raises PlanningError, which names the bodies where

@@ -46,7 +46,13 @@ class StateValidityChecker(ob.StateValidityChecker):  # type: ignore[misc]
     """
 
     def __init__(
-        self, si: Any, robot: Robots, world: World, *, margin: float = 0.0, steering: str | None = None
+        self,
+        si: Any,
+        robot: Robots,
+        world: World,
+        *,
+        margin: float = 0.0,
+        steering: str | None = None,
     ) -> None:
         super().__init__(si)
         self._core = checker_of(si, robot, world, margin=margin, steering=steering)
@@ -221,7 +227,9 @@ def setup(
     for label, ends in (("start", problem.starts), ("goal", problem.goals)):
         if not made.validity._core.valid(made.states(ends)):
             problem.check(which)
-            raise PlanningError(f"{label} of {', '.join(problem.names[i] for i in which)}: not valid")
+            raise PlanningError(
+                f"{label} of {', '.join(problem.names[i] for i in which)}: not valid"
+            )
     return made
 
 

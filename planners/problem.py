@@ -38,7 +38,11 @@ class Problem:
 
     @classmethod
     def of(
-        cls, scenario: str | Path | Scenario | Problem, margin: float = 0.0, seed: int = 0, **overrides: Any
+        cls,
+        scenario: str | Path | Scenario | Problem,
+        margin: float = 0.0,
+        seed: int = 0,
+        **overrides: Any,
     ) -> Problem:
         """From a scenario, its name or its file.
 

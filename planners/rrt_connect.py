@@ -13,17 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fgenv.planners.errors import PlanningError
 from fgenv.scenarios.planar import Floats, as_path, refine
 
 Valid = Callable[[float, float, float], bool]
 
 
-class PlanningError(RuntimeError):
-    """No plan: the message says why."""
-
-
 @dataclass(frozen=True)
-class Plan:
+class PlanarPlan:
     """A path (n, 3) of x, y (m), yaw (rad), its length (m), and what it took to find it."""
 
     path: Floats
@@ -67,8 +64,8 @@ def rrt_connect(
     seed: int = 0,
     time_limit: float = 10.0,
     proof: Callable[[Floats], bool] | None = None,
-) -> Plan:
-    """Plan from start to goal (x, y, yaw each) within bounds (2, 2): least and greatest x, y.
+) -> PlanarPlan:
+    """PlanarPlan from start to goal (x, y, yaw each) within bounds (2, 2): least and greatest x, y.
 
     `valid(x, y, yaw)` says whether a configuration is free. Motions are checked every
     `resolution` metres, of a body whose points lie within `radius` metres of its z axis. Then
@@ -101,7 +98,7 @@ def rrt_connect(
         finer = refine(path, radius, fine / 4).tolist()
         if proof(path) if proof else all(latch.valid(*q) for q in finer):
             length = float(np.hypot(*np.diff(path[:, :2], axis=0).T).sum())
-            return Plan(path, length, latch.checks, time.perf_counter() - began, seed)
+            return PlanarPlan(path, length, latch.checks, time.perf_counter() - began, seed)
     raise PlanningError(
         f"the paths found are not free between states {resolution / 16:g} m apart: "
         "give a finer resolution"

@@ -82,7 +82,8 @@ def compound_of(spaces: Sequence[Any]) -> Any:
         return spaces[0]
     if all(isinstance(space, ob.RealVectorStateSpace) for space in spaces):
         low, high = (
-            [x for space in spaces for x in getattr(space.getBounds(), side)] for side in ("low", "high")
+            [x for space in spaces for x in getattr(space.getBounds(), side)]
+            for side in ("low", "high")
         )
         return _real(np.array([low, high]))
     return _compound([(space, 1.0) for space in spaces])
@@ -140,7 +141,9 @@ def _joints(robot: Robot) -> list[tuple[Any, float]]:
         while end < robot.nq and not robot.endless[end]:
             if not np.isfinite([robot.lower[end], robot.upper[end]]).all():
                 name = robot.coordinates[end]
-                raise ValueError(f"bounds: joint {name!r} of {robot.name!r} has no limits, give it some")
+                raise ValueError(
+                    f"bounds: joint {name!r} of {robot.name!r} has no limits, give it some"
+                )
             end += 1
         weight = 1.0 if first == 0 else float(robot.weights[k:end].mean())
         parts.append((_real(np.array([robot.lower[k:end], robot.upper[k:end]])), max(weight, 1e-3)))

@@ -66,7 +66,8 @@ def serialize_of(si: Any) -> Serialize:
             serialize(_new(target.ctypes.data, NAME, None), state)
         except (TypeError, RuntimeError):
             return slow
-    return space.serialize if np.array_equal(*row, equal_nan=True) else slow  # type: ignore[no-any-return]
+    trusted: Serialize = space.serialize
+    return trusted if np.array_equal(row[0], row[1], equal_nan=True) else slow
 
 
 def _by_coordinates(space: Any) -> Serialize:

@@ -12,6 +12,7 @@ from fgenv.robots import Car, DifferentialDrive, Drive, MobileManipulator, Robot
 
 Floats = NDArray[np.float64]
 
+CHORDS = 1.002  # a car's circle is drawn so much larger: chords are shorter than their arcs
 WAYS = ("straight", "turn_drive_turn", "dubins", "reeds_shepp")
 
 
@@ -45,8 +46,10 @@ class Steering:
         drive = platform(robot.drive)
         if isinstance(drive, Car):
             if way == "turn_drive_turn":
-                raise ValueError(f"steering: {way!r}, {robot.name!r} is a car, wanted 'reeds_shepp'")
-            return cls(way or "reeds_shepp", drive.min_turning_radius)
+                raise ValueError(
+                    f"steering: {way!r}, {robot.name!r} is a car, wanted 'reeds_shepp'"
+                )
+            return cls(way or "reeds_shepp", CHORDS * drive.min_turning_radius)
         if way in ("dubins", "reeds_shepp"):
             raise ValueError(f"steering: {way!r} needs a car, {robot.name!r} has another drive")
         if isinstance(drive, DifferentialDrive):

@@ -1,4 +1,4 @@
-"""Timed paths: where robots are at each step of time, within their limits of speed and acceleration.
+"""Timed paths: where robots are at each step, within their limits of speed and acceleration.
 
 In a step every robot goes straight from one configuration to the next, which is what `env.step`
 does and what is proved. Way points are passed exactly where accelerations are not limited, and
@@ -14,11 +14,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.robots import Car, DifferentialDrive, Drive, Drone, Holonomic, Robot
+from fgenv.robots.driving import changes
 
 from .steering import platform
 
@@ -31,7 +33,7 @@ LEAST = 1e-12  # a change that is none
 
 @dataclass(frozen=True)
 class Amount:
-    """One thing that a leg changes, and its limits: metres or radians, a second, a second squared."""
+    """One thing that a leg changes, and its limits: metres or radians, per second, per second^2."""
 
     change: float
     speed: float
@@ -39,13 +41,11 @@ class Amount:
 
 
 def steps_of(robot: Robot, path: Floats, dt: float) -> Floats:
-    """Configurations at each step of dt seconds, (k + 1, nq), along a path (m, nq), rest to rest."""
+    """Configurations at each step of dt seconds along a path (m, nq), rest to rest: (k + 1, nq)."""
     return steps_together((robot,), (path,), dt)[0]
 
 
-def steps_together(
-    robots: Sequence[Robot], paths: Sequence[Floats], dt: float
-) -> list[Floats]:
+def steps_together(robots: Sequence[Robot], paths: Sequence[Floats], dt: float) -> list[Floats]:
     """The same of robots that are at way point i at the same time, (k + 1, nq) each.
 
     Args:
@@ -57,8 +57,10 @@ def steps_together(
     durations, rates, stretches = [], [], [0]
     for k in range(len(paths[0]) - 1):
         ends = [(path[k], path[k + 1]) for path in paths]
-        amounts = [a for robot, leg in zip(robots, ends, strict=True) for a in _amounts(robot, *leg, dt)]
-        duration = max((a.change / a.speed for a in amounts), default=0.0)
+        amounts = [
+            a for robot, leg in zip(robots, ends, strict=True) for a in amounts_of(robot, *leg, dt)
+        ]
+        duration = seconds(amounts)
         durations.append(duration)
         rates.append(min((a.acceleration / a.change for a in amounts), default=math.inf) * duration)
         if k and not all(
@@ -68,8 +70,10 @@ def steps_together(
             stretches.append(k)
     stretches.append(len(durations))
     places = [np.zeros(1)]
-    for first, last in zip(stretches, stretches[1:], strict=False):
-        places.append(_profile(durations[first:last], min(rates[first:last], default=math.inf), first, dt))
+    for first, last in pairwise(stretches):
+        places.append(
+            _profile(durations[first:last], min(rates[first:last], default=math.inf), first, dt)
+        )
     at = np.concatenate(places)
     return [_along(robot, path, at) for robot, path in zip(robots, paths, strict=True)]
 
@@ -82,7 +86,8 @@ def _profile(durations: list[float], acceleration: float, first: int, dt: float)
     way = _ruckig(ends[-1], acceleration, dt)
     legs = np.interp(way, ends, np.arange(len(ends), dtype=float))
     legs[-1] = len(durations)
-    return first + legs
+    places: Floats = first + legs
+    return places
 
 
 def _ruckig(length: float, acceleration: float, dt: float) -> Floats:
@@ -120,34 +125,24 @@ def _goes_on(robot: Robot, three: Floats, cars: bool) -> bool:
 
     A car's chords follow an arc: it stops only where it turns back.
     """
-    before, after = (_change(robot, three[k], three[k + 1]) for k in (0, 1))
+    before, after = (changes(robot, three[k], three[k + 1]) for k in (0, 1))
     if cars:
         return float(before[:2] @ after[:2]) >= 0
     a, b = float(np.linalg.norm(before)), float(np.linalg.norm(after))
     return a > LEAST and b > LEAST and float(np.linalg.norm(before / a - after / b)) < BEND
 
 
-def _change(robot: Robot, a: Floats, b: Floats) -> Floats:
-    """b - a, the shorter way around; of a free base's turn the rotation vector."""
-    change: Floats = b - a
-    change[robot.endless] = np.remainder(change[robot.endless] + math.pi, 2 * math.pi) - math.pi
-    if robot.base == "free":
-        u, v = a[3:6], b[3:6]
-        axis = a[6] * v - b[6] * u + np.cross(u, v)
-        w = a[6] * b[6] + u @ v
-        sine = float(np.linalg.norm(axis))
-        angle = 2 * math.atan2(sine, abs(w)) * (1 if w >= 0 else -1)
-        turn = axis * (angle / sine if sine > 0 else 0.0)
-        change = np.concatenate([change[:3], turn, change[7:]])
-    return change
+def seconds(amounts: Sequence[Amount]) -> float:
+    """That a leg takes at full speed."""
+    return max((a.change / a.speed for a in amounts), default=0.0)
 
 
-def _amounts(robot: Robot, a: Floats, b: Floats, dt: float) -> list[Amount]:
+def amounts_of(robot: Robot, a: Floats, b: Floats, dt: float) -> list[Amount]:
     """What changes on a leg, with its limits."""
     if robot.drive is None:
         far = float(robot.distance(a, b))
         return [Amount(far, SPEED, math.inf)] if far > LEAST else []
-    change = _change(robot, a, b)
+    change = changes(robot, a, b)
     drive = platform(robot.drive)
     found = []
     if robot.base != "fixed" and drive is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +9,7 @@ from numpy.typing import ArrayLike
 
 from fgenv import __version__
 from fgenv.scenarios import Scenario
-from fgenv.scenarios.build import urdf_path
-from fgenv.scenarios.forms import MeshFile
+from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 
 from .record import ARRAYS, BEFORE, Record
 
@@ -109,32 +107,6 @@ def scenario_of_episode(simulator: Simulator, world: int = 0) -> Scenario:
         )
     )
     return scenario.model_copy(update={"robots": robots}).at(scenario.folder)
-
-
-def with_hashes(scenario: Scenario) -> Scenario:
-    """The scenario, each mesh file with the hash of its bytes."""
-    shapes = {
-        name: form.model_copy(update={"sha256": sha256(form.path(scenario.folder))})
-        if isinstance(form, MeshFile)
-        else form
-        for name, form in scenario.shapes.items()
-    }
-    return scenario.model_copy(update={"shapes": shapes}).at(scenario.folder)
-
-
-def urdf_hashes(scenario: Scenario) -> dict[str, str]:
-    """The hash of each model's URDF file."""
-    return {
-        name: sha256(urdf_path(model.urdf, scenario.folder))
-        for name, model in scenario.models.items()
-        if model.urdf is not None
-    }
-
-
-def sha256(path: Any) -> str:
-    """Of a file's bytes."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def about(simulator: Simulator, world: int, policy: str) -> dict[str, Any]:

@@ -8,9 +8,10 @@ import numpy as np
 
 from fgenv import __version__
 from fgenv.scenarios.checks import files
+from fgenv.scenarios.hashes import urdf_hashes
 
 from .observations import Observation
-from .recorder import SEEN, urdf_hashes
+from .recorder import SEEN
 from .simulator import Simulator
 
 if TYPE_CHECKING:

@@ -184,24 +184,37 @@ States states(nb::handle value, int32_t n, const char* name) {
     return out;
 }
 
+constexpr int64_t pause = 16;  // rows between two looks for Ctrl-C
+
+// One answer a row, as an array, or plain for one row.
+template <class T, class F>
+nb::object answers(const BoundChecker& b, const Broadcast& shape, const F& ask) {
+    const auto lock = reading(b.world_);
+    Output<T> out = make_output<T>(shape.dims);
+    for (int64_t i = 0; i < shape.size; ++i) {
+        if (i % pause == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
+        out.data[i] = ask(i);
+    }
+    return shape.dims.empty() ? nb::cast(out.data[0]) : nb::cast(out.array);
+}
+
 nb::object valid_all(BoundChecker& b, nb::handle q) {
     const States at = states(q, b.checker.size(), "q");
-    const Broadcast shape = broadcast({{"q", at.dims}});
-    const auto lock = reading(b.world_);
-    Output<bool> out = make_output<bool>(shape.dims);
-    for (int64_t i = 0; i < shape.size; ++i) out.data[i] = b.checker.valid(at.row(i, b.checker.size()));
-    return shape.dims.empty() ? nb::cast(out.data[0]) : nb::cast(out.array);
+    return answers<bool>(b, broadcast({{"q", at.dims}}), [&](int64_t i) { return b.checker.valid(at.row(i, b.checker.size())); });
+}
+
+nb::object clearance_all(BoundChecker& b, nb::handle q) {
+    const States at = states(q, b.checker.size(), "q");
+    return answers<double>(b, broadcast({{"q", at.dims}}), [&](int64_t i) { return b.checker.clearance(at.row(i, b.checker.size())); });
 }
 
 nb::object free_all(BoundChecker& b, nb::handle q0, nb::handle q1) {
     const int32_t n = b.checker.size();
     const States from = states(q0, n, "q0"), to = states(q1, n, "q1");
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
-    const auto lock = reading(b.world_);
-    Output<bool> out = make_output<bool>(shape.dims);
-    for (int64_t i = 0; i < shape.size; ++i)
-        out.data[i] = b.checker.free(from.row(shape.offset(0, i), n), to.row(shape.offset(1, i), n));
-    return shape.dims.empty() ? nb::cast(out.data[0]) : nb::cast(out.array);
+    return answers<bool>(b, shape, [&](int64_t i) {
+        return b.checker.free(from.row(shape.offset(0, i), n), to.row(shape.offset(1, i), n));
+    });
 }
 
 nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb::handle q0, nb::handle q1) {
@@ -228,6 +241,7 @@ void bind_checker(nb::module_& m) {
         .def("watch", &BoundChecker::watch, "stop"_a.none(), "most"_a)
         .def("valid", &valid_all, "q"_a.none())
         .def("free", &free_all, "q0"_a.none(), "q1"_a.none())
+        .def("clearance", &clearance_all, "q"_a.none())
         .def("error", [](const BoundChecker& b) { return b.error; })
         .def("size", [](const BoundChecker& b) { return b.checker.size(); })
         .def("counts", [](const BoundChecker& b) { return std::make_pair(b.checker.states, b.checker.motions); });

@@ -170,7 +170,7 @@ public:
     std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
                                        const MotionSettings& settings, bool through = false);
     // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
-    // nobody. Of a motion the beginning is taken to be free.
+    // nobody. Of a motion the beginning is taken to be free. The margin is not one of a mover from itself.
     bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects) const;
     bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                  const MotionSettings& settings, Suspects& suspects) const;

@@ -39,6 +39,8 @@ struct World::Pair {
     int32_t mover, part;              // places among the movers and in the mover's parts
     int32_t other_mover, other_part;  // -1: the other one rests
     const Body *a, *b;
+
+    bool itself() const { return mover == other_mover; }
 };
 
 std::vector<World::Pair> World::pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving, bool standing) const {
@@ -80,7 +82,7 @@ bool World::look_at(const std::vector<Sweeping>& moving, const std::vector<Place
     for (const Pair& p : pairs) {
         const Rigid a = p.a->in(frames[p.mover]), b = p.other_mover < 0 ? p.b->pose : p.b->in(frames[p.other_mover]);
         ++asked;
-        if (!hits(*p.a->shape, *p.b->shape, relative(a, b), margin, true)) continue;
+        if (!hits(*p.a->shape, *p.b->shape, relative(a, b), p.itself() ? 0 : margin, true)) continue;
         suspects = {p.a->id, p.b->id};
         return false;
     }
@@ -92,11 +94,13 @@ bool World::certified(const std::vector<Sweeping>& moving, const std::vector<Pai
     for (const Pair& p : pairs) {
         const PartMotion rest(RigidMotion(p.b->pose, p.b->pose));
         const PartMotion& theirs = p.other_mover < 0 ? rest : moving[p.other_mover].parts[p.other_part].motion;
+        CertifySettings settings = s.certify;
+        if (p.itself()) settings.margin = 0;
         Contact contact;
         int64_t sweeps = 0;
         ++asked;
         find_contact({p.a->shape.get(), &*moving[p.mover].parts[p.part].motion}, {p.b->shape.get(), &*theirs}, 0, 1,
-                     s.certify, contact, sweeps);
+                     settings, contact, sweeps);
         if (!contact.found) continue;
         suspects = {p.a->id, p.b->id};
         return false;

@@ -1,0 +1,36 @@
+"""Hashes of the files that a scenario names."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from .build import urdf_path
+from .forms import MeshFile
+from .schema import Scenario
+
+
+def with_hashes(scenario: Scenario) -> Scenario:
+    """The scenario, each mesh file with the hash of its bytes."""
+    shapes = {
+        name: form.model_copy(update={"sha256": sha256(form.path(scenario.folder))})
+        if isinstance(form, MeshFile)
+        else form
+        for name, form in scenario.shapes.items()
+    }
+    return scenario.model_copy(update={"shapes": shapes}).at(scenario.folder)
+
+
+def urdf_hashes(scenario: Scenario) -> dict[str, str]:
+    """The hash of each model's URDF file."""
+    return {
+        name: sha256(urdf_path(model.urdf, scenario.folder))
+        for name, model in scenario.models.items()
+        if model.urdf is not None
+    }
+
+
+def sha256(path: Any) -> str:
+    """Of a file's bytes."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
