@@ -17,9 +17,10 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from fgenv.envs import FleetEnv, FleetVectorEnv, View
-from fgenv.scenarios import ScenarioError
+from fgenv.scenarios import Scenario, ScenarioError
 from fgenv.scenarios.library import ENTRIES
 
+DRIVEN = [name for name in ENTRIES if Scenario.load(name).build().robots[0].drive is not None]
 WAYS: dict[str, Any] = {"n": 4, "starts": "random", "threads": 1}
 single = functools.partial(FleetEnv, "swap", **WAYS)
 vector = functools.partial(FleetVectorEnv, "swap", **WAYS)
@@ -50,6 +51,12 @@ def test_all_scenarios_are_registered() -> None:
         assert gymnasium.spec(f"fgenv/{name}-v0").vector_entry_point
 
 
+def test_what_has_no_drive_says_so() -> None:
+    for name in set(ENTRIES) - set(DRIVEN):
+        with pytest.raises(ValueError, match="has no drive, give its model one"):
+            gymnasium.make(f"fgenv/{name}-v0")
+
+
 def test_a_module_in_the_name_imports_it() -> None:
     """Gymnasium's own way to a name that nobody has registered yet."""
     code = "import gymnasium as g; print(g.make('fgenv.envs:fgenv/swap-v0', n=2).unwrapped)"
@@ -76,7 +83,7 @@ def test_others_do_what_their_policy_says() -> None:
 
 
 def test_rest_rests_where_the_middle_of_the_limits_does_not() -> None:
-    for name in ENTRIES:
+    for name in DRIVEN:
         env = FleetEnv(name, others="rest", threads=1)
         env.reset(seed=0)
         before = env.simulator.configurations

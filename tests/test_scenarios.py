@@ -26,7 +26,7 @@ from fgenv.scenarios.library.random import PITCH
 from fgenv.scenarios.text import dump
 
 Floats = NDArray[np.float64]
-MANY = [name for name in ENTRIES if name != "three_tanks"]
+MANY = [name for name, e in ENTRIES.items() if "n" in e.parameters and e.most > 2]
 WAYS: list[tuple[str, dict[str, Any]]] = [
     ("three_tanks", {}),
     *((name, {"n": n}) for name in MANY for n in (1, 2, 5, 12)),

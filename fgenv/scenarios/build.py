@@ -121,7 +121,8 @@ def model_of(scenario: Scenario, model: Model) -> Robot:
         shape = scenario.shapes[model.shape or ""].shape(scenario.folder)
         return Robot.from_mesh(shape, base, drive=drive, workspace=space)
     path = urdf_path(model.urdf, scenario.folder)
-    robot = Robot.from_urdf(path, base, drive=drive, workspace=space)
+    srdf = None if model.srdf is None else urdf_path(model.srdf, scenario.folder, "srdf")
+    robot = Robot.from_urdf(path, base, drive=drive, workspace=space, srdf=srdf)
     return robot.allowing(model.allowed)
 
 
@@ -130,8 +131,8 @@ def robot_of(model: Robot, spec: RobotSpec) -> Robot:
     return model.replace(name=spec.name, mount=spec.mount.pose)
 
 
-def urdf_path(urdf: str, folder: Path | None) -> Path:
-    """The URDF file: a path, or package://NAME/PATH in a folder of Python packages.
+def urdf_path(urdf: str, folder: Path | None, what: str = "urdf") -> Path:
+    """The URDF or SRDF file: a path, or package://NAME/PATH in a folder of Python packages.
 
     NAME is a Python package, or a folder of example-robot-data where that is installed.
     """
@@ -143,7 +144,7 @@ def urdf_path(urdf: str, folder: Path | None) -> Path:
         if path.is_file():
             return path
     looked = ", ".join(map(str, tried)) or "no Python package has that name"
-    raise FileNotFoundError(f"urdf: {urdf} is not there ({looked}); remedy: install {name!r}")
+    raise FileNotFoundError(f"{what}: {urdf} is not there ({looked}); remedy: install {name!r}")
 
 
 def _places(name: str, rest: str) -> Iterator[Path]:

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from fgenv import robots
 
-from .forms import Spec, metres, quantity
+from .form import Spec, metres, quantity
 
 
 def limit(unit: str, about: str, default: Any = ...) -> Any:

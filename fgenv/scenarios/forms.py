@@ -3,67 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-from abc import abstractmethod
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from fgenv.collision import Shape
 from fgenv.robots import primitives
 
-from . import solids, vehicles
+from . import puzzle_forms, solids, vehicles
+from .form import LONGEST, Form, Length, Solid, metres, quantity
 
-LONGEST = 1e4  # metres: more is a slip
-
-
-class Spec(BaseModel):
-    """A part of a scenario file: plain values, unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
-
-
-def quantity(unit: str, about: str, default: Any = ..., **bounds: Any) -> Any:
-    """A finite number with a unit, told in the schema."""
-    extra: Any = {"unit": unit}
-    about = f"{about} ({unit})"
-    bounds.setdefault("allow_inf_nan", False)
-    return Field(default, description=about, json_schema_extra=extra, strict=True, **bounds)
-
-
-def metres(about: str, default: Any = ...) -> Any:
-    """A length over 0, in metres."""
-    return quantity("m", about, default, gt=0, le=LONGEST)
-
-
-Length = Annotated[float, metres("Length")]
-
-
-class Form(Spec):
-    """What all kinds of shapes have."""
-
-    @abstractmethod
-    def shape(self, folder: Path | None = None) -> Shape:
-        """The shape; equal forms share one.
-
-        Args:
-            folder: what the path of a mesh file is relative to.
-
-        Raises:
-            ValueError, FileNotFoundError: saying what is wrong.
-        """
-
-
-class Solid(Form):
-    """A kind that is made from its sizes."""
-
-    @abstractmethod
-    def mesh(self) -> Any:
-        """The mesh, metres."""
-
-    def shape(self, folder: Path | None = None) -> Shape:
-        return _shape(self)
+Coordinate = Annotated[float, quantity("m", "Coordinate", ge=-LONGEST, le=LONGEST)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Place = Annotated[int, Field(ge=0, strict=True)]
+Triple = tuple[Place, Place, Place]
 
 
 class Box(Solid):
@@ -247,6 +202,19 @@ class MeshFile(Form):
             raise ValueError(f"sha256 of {self.file} is {found}, not as written")
 
 
+class Triangles(Solid):
+    """A mesh written out."""
+
+    kind: Literal["triangles"]
+    vertices: tuple[Point, ...] = Field(min_length=3, description="x, y, z of each (m)")
+    faces: tuple[Triple, ...] = Field(
+        min_length=1, description="Three places in vertices, from 0, counter-clockwise"
+    )
+
+    def mesh(self) -> Any:
+        return Shape(self.vertices, self.faces, name=self.kind)
+
+
 AnyForm = Annotated[
     Box
     | Block
@@ -261,17 +229,17 @@ AnyForm = Annotated[
     | Quadcopter
     | Tank
     | MobileRobot
-    | MeshFile,
+    | puzzle_forms.Cone
+    | puzzle_forms.Table
+    | puzzle_forms.Chair
+    | puzzle_forms.TwistedBar
+    | puzzle_forms.TwistedWall
+    | puzzle_forms.BugTrap
+    | puzzle_forms.OpenRing
+    | MeshFile
+    | Triangles,
     Field(discriminator="kind"),
 ]
-
-
-@lru_cache(maxsize=256)
-def _shape(form: Solid) -> Shape:
-    made = form.mesh()
-    if isinstance(made, Shape):
-        return made
-    return Shape(made.vertices, made.faces, name=str(form.kind))  # type: ignore[attr-defined]
 
 
 @lru_cache(maxsize=256)

@@ -15,7 +15,8 @@ from fgenv.collision import World
 from fgenv.robots.urdf import rotation
 
 from .driving import AnyDrive, Lidar
-from .forms import AnyForm, Spec, quantity
+from .form import Spec, quantity
+from .forms import AnyForm
 
 if TYPE_CHECKING:
     from .build import Built
@@ -70,6 +71,9 @@ class Model(Spec):
     urdf: Name | None = Field(
         default=None, description="URDF file, relative to the scenario file, or package://NAME/PATH"
     )
+    srdf: Name | None = Field(
+        default=None, description="SRDF file with pairs of links that may touch; path as urdf's"
+    )
     base: Literal["planar", "free", "fixed"] | None = Field(
         default=None, description="How it is placed; if left out, fixed for a URDF, else planar"
     )
@@ -81,6 +85,8 @@ class Model(Spec):
     def _one_of(self) -> Self:
         if (self.shape is None) == (self.urdf is None):
             raise ValueError("has both shape and urdf" if self.urdf else "has no shape or urdf")
+        if self.srdf is not None and self.urdf is None:
+            raise ValueError("has srdf but no urdf")
         return self
 
 

@@ -26,11 +26,16 @@ class Loader(yaml.SafeLoader):
     """YAML's plain values; 1e-3 is a number, as in YAML 1.2."""
 
 
-Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
-    list("-+.0123456789"),
-)
+class FastLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """The same for large files of others: by libyaml, where PyYAML has it."""
+
+
+for _loader in (Loader, FastLoader):
+    _loader.add_implicit_resolver(
+        "tag:yaml.org,2002:float",
+        re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
+        list("-+.0123456789"),
+    )
 
 
 @dataclass(frozen=True)
@@ -57,8 +62,11 @@ class Document:
         return 1 if line is None and self.root is not None else line
 
 
-def read(path: Path) -> Document:
+def read(path: Path, loader: type[Any] = Loader) -> Document:
     """Parse a file.
+
+    Args:
+        loader: `Loader` or `FastLoader`.
 
     Raises:
         ScenarioError: not text, or not YAML; with the line.
@@ -70,17 +78,17 @@ def read(path: Path) -> Document:
         raise ScenarioError(
             path, [Problem(f"is not text: {error.reason}", "write UTF-8")]
         ) from None
-    return parse(text, path)
+    return parse(text, path, loader)
 
 
-def parse(text: str, path: Path) -> Document:
+def parse(text: str, path: Path, loader: type[Any] = Loader) -> Document:
     """Parse text; `path` is for messages."""
     if len(text) > LONGEST:
         raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
-    loader = Loader(text)
+    reader = loader(text)
     try:
-        root = loader.get_single_node()
-        data = None if root is None else loader.construct_document(root)
+        root = reader.get_single_node()
+        data = None if root is None else reader.construct_document(root)
         return Document(data, root, tuple(repeated(root)))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -95,7 +103,7 @@ def parse(text: str, path: Path) -> Document:
     except RecursionError:
         raise ScenarioError(path, [Problem("is nested too deep", "write plain YAML")]) from None
     finally:
-        loader.dispose()
+        reader.dispose()
 
 
 def repeated(root: yaml.Node | None) -> list[Problem]:
@@ -141,7 +149,9 @@ def moved(scenario: Scenario, folder: Path) -> Scenario:
         for name, form in scenario.shapes.items()
     }
     models = {
-        name: model.model_copy(update={"urdf": path(model.urdf)}) if model.urdf else model
+        name: model.model_copy(
+            update={k: path(v) for k in ("urdf", "srdf") if (v := getattr(model, k))}
+        )
         for name, model in scenario.models.items()
     }
     return scenario.model_copy(update={"shapes": shapes, "models": models}).at(folder)

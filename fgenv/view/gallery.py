@@ -13,6 +13,7 @@ from fgenv.view.picture import Picture
 from fgenv.view.surfaces import Floats, Floor, Solid
 
 GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; metres of marks over the floor
+GLASS, CLEAR = "glass", 0.25  # group of bodies that are seen through, and their opacity
 RING = np.linspace(0.0, 2 * np.pi, 33)
 COLORS = 176  # of 256, that are common in a picture
 
@@ -24,7 +25,8 @@ def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image
     corners = np.concatenate([corners_of(world) for world in worlds])
     camera = overview(corners, width, height)
     solids = [
-        Solid(s, p, static_color(s.name)) for s, p in zip(built.shapes, built.poses, strict=True)
+        Solid(s, p, static_color(s.name), CLEAR if GLASS in groups else 1.0)
+        for s, p, groups in zip(built.shapes, built.poses, built.body_groups, strict=True)
     ]
     for i in range(len(built.robots)):
         for world, opacity in zip(worlds, (1.0, GHOST), strict=True):

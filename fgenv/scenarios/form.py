@@ -1,0 +1,70 @@
+"""What all kinds of shapes in a scenario file have, and how their sizes are told."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from fgenv.collision import Shape
+
+LONGEST = 1e4  # metres: more is a slip
+
+
+class Spec(BaseModel):
+    """A part of a scenario file: plain values, unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+def quantity(unit: str, about: str, default: Any = ..., **bounds: Any) -> Any:
+    """A finite number with a unit, told in the schema."""
+    extra: Any = {"unit": unit}
+    about = f"{about} ({unit})"
+    bounds.setdefault("allow_inf_nan", False)
+    return Field(default, description=about, json_schema_extra=extra, strict=True, **bounds)
+
+
+def metres(about: str, default: Any = ...) -> Any:
+    """A length over 0, in metres."""
+    return quantity("m", about, default, gt=0, le=LONGEST)
+
+
+Length = Annotated[float, metres("Length")]
+
+
+class Form(Spec):
+    """What all kinds of shapes have."""
+
+    @abstractmethod
+    def shape(self, folder: Path | None = None) -> Shape:
+        """The shape; equal forms share one.
+
+        Args:
+            folder: what the path of a mesh file is relative to.
+
+        Raises:
+            ValueError, FileNotFoundError: saying what is wrong.
+        """
+
+
+class Solid(Form):
+    """A kind that is made from its sizes."""
+
+    @abstractmethod
+    def mesh(self) -> Any:
+        """The mesh, metres."""
+
+    def shape(self, folder: Path | None = None) -> Shape:
+        return _shape(self)
+
+
+@lru_cache(maxsize=256)
+def _shape(form: Solid) -> Shape:
+    made = form.mesh()
+    if isinstance(made, Shape):
+        return made
+    return Shape(made.vertices, made.faces, name=str(form.kind))  # type: ignore[attr-defined]
