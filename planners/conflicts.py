@@ -76,4 +76,6 @@ class Meetings:
         robot, other = self.members[a][0], self.members[b][-1]
         if robot == other:  # one of its kind never meets itself
             return np.zeros(len(A0), dtype=bool)
-        return np.asarray(self.world.meet(robot, A0, A1, other, B0, B1, margin=self.margin))
+        return np.asarray(
+            self.world.meet(robot, A0, A1, other, B0, B1, margin=self.margin, threads=1)
+        )

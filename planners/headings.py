@@ -61,7 +61,9 @@ def expanded(
             drives.append((vertices.at(a, (ax, ay, yaw)), vertices.at(b, (bx, by, yaw))))
     q = np.array(vertices.q)
     driven = _proved(world, name, q, np.array(drives, dtype=np.int64).reshape(-1, 2), margin)
-    moves = np.concatenate([driven, driven[:, ::-1], _turns(world, name, q, vertices, margin, driven)])
+    moves = np.concatenate(
+        [driven, driven[:, ::-1], _turns(world, name, q, vertices, margin, driven)]
+    )
     return q, moves
 
 
@@ -86,7 +88,9 @@ def _turns(
     )
 
 
-def _spins(world: World, name: str, q: Floats, margin: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _spins(
+    world: World, name: str, q: Floats, margin: float
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """Whether a whole turn is free at each of q (n, 3)."""
     third = np.array([0.0, 0.0, 2 * np.pi / 3])
     ends = q + third * np.arange(4)[:, None, None]  # (4, n, 3)

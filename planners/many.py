@@ -12,7 +12,7 @@ import numpy as np
 from .conflicts import Meetings
 from .errors import PlanningError
 from .growing import grow
-from .intervals import Timed
+from .others import Timed
 from .moves import GONE, Floats, Ints
 from .roadmap import FAR, Roadmap
 from .sipp import Effort, Track
@@ -97,8 +97,7 @@ class Tables:
     def starts(self) -> tuple[int, ...]:
         """The vertex of each robot's start."""
         return tuple(
-            self.roadmaps[k].vertex(q)
-            for k, q in zip(self.kinds, self.problem.starts, strict=True)
+            self.roadmaps[k].vertex(q) for k, q in zip(self.kinds, self.problem.starts, strict=True)
         )
 
     @cached_property

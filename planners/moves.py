@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 GONE = -1  # the step of a robot that is not there any more
-SLACK = 1e-9  # metres, for rounding
+SLACK = 1e-9  # for rounding
 
 
 class Balls:
@@ -34,14 +34,13 @@ class Balls:
 
     def around(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
         """Centres (n, 3) and radii (n,), metres: they hold the robot all along q0 to q1, (n, nq)."""
-        middle = self.robot.interpolate(q0, q1, 0.5)
-        poses = self.robot.forward(middle)[:, self._links]  # (n, parts, 4, 4)
+        middle = self.robot.interpolate(q0, q1, 0.5, threads=1)
+        poses = self.robot.forward(middle, threads=1)[:, self._links]  # (n, parts, 4, 4)
         at = (poses[..., :3, :3] @ self._middles[..., None])[..., 0] + poses[..., :3, 3]
         centre = 0.5 * (at.min(1) + at.max(1))
         away = np.sqrt(((at - centre[:, None]) ** 2).sum(-1)) + self._radii
-        way = self.robot.distance  # no point goes farther than this
-        half = np.maximum(way(middle, q0), way(middle, q1))
-        return centre, away.max(1) + half + SLACK
+        way = np.asarray(self.robot.distance(q0, q1))  # no point goes farther, half of it each way
+        return centre, away.max(1) + (0.5 + SLACK) * way + SLACK
 
 
 class Steps:

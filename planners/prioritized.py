@@ -13,15 +13,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import PlanningError
-from .intervals import Timed, Traffic
+from .intervals import Traffic
 from .many import Tables, Timetable
 from .moves import GONE, Floats
+from .others import Timed
 from .sipp import Effort, Track, sipp
 
 if TYPE_CHECKING:
     from .problem import Problem
 
-HOLDS = (0.0, 1.0, 2.0, 4.0)  # seconds that robots which are not yet planned are left at their starts
+HOLDS = (
+    0.0,
+    1.0,
+    2.0,
+    4.0,
+)  # seconds that robots which are not yet planned are left at their starts
 
 
 def prioritized(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fgenv.robots import Robot
@@ -11,30 +9,7 @@ from fgenv.robots import Robot
 from .moves import Floats, Ints, Steps
 from .pace import Pace
 
-FAR = 1 << 40  # steps: no way
-
-
-@dataclass(frozen=True)
-class Leaving:
-    """The moves that leave a vertex.
-
-    Attributes:
-        moves: their numbers, (m,).
-        heads: the vertices that they lead to, (m,).
-        first, length: number of the first step of each, and how many steps it takes, (m,).
-        steps, move, offset: all their steps, (s,): number, place in `moves`, place in the move.
-        centre, reach: a ball (3,), metres, that holds them all.
-    """
-
-    moves: list[int]
-    heads: list[int]
-    first: list[int]
-    length: list[int]
-    steps: Ints
-    move: Ints
-    offset: Ints
-    centre: Floats
-    reach: float
+INF = FAR = 1 << 40  # steps: for ever, or no way
 
 
 class Roadmap:
@@ -61,9 +36,11 @@ class Roadmap:
         self.begin = np.searchsorted(self.tails, np.arange(len(q) + 1)).tolist()
         self.pace = Pace(robot, dt)
         self.length = np.array([self._steps(e) for e in range(len(moves))], dtype=np.int64)
+        self.lengths: list[int] = self.length.tolist()
         self.steps = Steps(robot)
         self.steps.add(q, q)
-        self._leaving: dict[int, Leaving] = {}
+        self.out = self._out()
+        self._first: dict[int, int] = {}
         self._to: dict[int, list[int]] = {}
 
     def vertex(self, q: Floats) -> int:
@@ -75,48 +52,29 @@ class Roadmap:
             return len(self._ways[e]) - 1
         return len(self.pace.fractions(self.q[self.tails[e]], self.q[self.heads[e]])) - 1
 
-    def leaving(self, u: int) -> Leaving:
-        """The moves that leave vertex u."""
-        if u not in self._leaving:
-            self._leaving[u] = self._made(u, range(self.begin[u], self.begin[u + 1]))
-        return self._leaving[u]
-
-    def _made(self, u: int, moves: range) -> Leaving:
-        lengths = self.length[moves.start : moves.stop]
-        rows = self._rows(u, moves)
-        first = self.steps.add(*(np.concatenate(r) for r in rows)) if len(moves) else 0
-        ends = np.concatenate([[0], np.cumsum(lengths)])
-        steps = first + np.arange(ends[-1], dtype=np.int64)
-        centre, reach = self.steps.centre[u], float(self.steps.radius[u])
-        if len(steps):
-            away = self.steps.centre[steps] - centre
-            far = np.sqrt((away * away).sum(1)) + self.steps.radius[steps]
-            reach = max(reach, float(far.max()))
-        return Leaving(
-            list(moves),
-            self.heads[moves.start : moves.stop].tolist(),
-            (first + ends[:-1]).tolist(),
-            lengths.tolist(),
-            steps,
-            np.repeat(np.arange(len(moves)), lengths),
-            np.arange(ends[-1]) - np.repeat(ends[:-1], lengths),
-            centre,
-            reach,
+    def _out(self) -> list[list[tuple[int, int, int]]]:
+        """Of each vertex the moves that leave it: number, where to, how many steps."""
+        rows = list(
+            zip(range(len(self.heads)), self.heads.tolist(), self.length.tolist(), strict=True)
         )
+        return [rows[a:b] for a, b in zip(self.begin, self.begin[1:], strict=False)]
 
-    def _rows(self, u: int, moves: range) -> tuple[list[Floats], list[Floats]]:
-        """Where the steps of each move begin and end; moves end at the very vertices."""
-        ways = [self._way(u, e) for e in moves]
-        return [way[:-1] for way in ways], [way[1:] for way in ways]
+    def first(self, e: int) -> int:
+        """Number of the first step of move e; the others follow it. It ends at the very vertex."""
+        if e not in self._first:
+            q0, q1 = self.q[self.tails[e]], self.q[self.heads[e]]
+            if self._ways is None:
+                way = self.robot.interpolate(q0, q1, self.pace.fractions(q0, q1), threads=1)
+            else:
+                way = self._ways[e].copy()
+            way[0], way[-1] = q0, q1
+            self._first[e] = self.steps.add(way[:-1], way[1:])
+        return self._first[e]
 
-    def _way(self, u: int, e: int) -> Floats:
-        q0, q1 = self.q[u], self.q[self.heads[e]]
-        if self._ways is None:
-            way = self.robot.interpolate(q0, q1, self.pace.fractions(q0, q1))
-        else:
-            way = self._ways[e].copy()
-        way[0], way[-1] = q0, q1
-        return way
+    def numbers(self, e: int) -> Ints:
+        """Numbers of the steps of move e, (k,)."""
+        first = self.first(e)
+        return np.arange(first, first + self.length[e], dtype=np.int64)
 
     def to(self, goal: int) -> list[int]:
         """Steps from each vertex to the goal at least, (n,); FAR where there is no way."""

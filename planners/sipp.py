@@ -9,26 +9,25 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_left
-from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from operator import itemgetter
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .intervals import INF, Range
+from .intervals import Range
 from .moves import Ints
-from .roadmap import FAR, Roadmap
+from .roadmap import FAR, INF, Roadmap
 
 LOOK = 64  # states between two looks at the clock
 
 
 class Safe(Protocol):
-    """When one may wait at a vertex, and begin each move that leaves it."""
+    """When one may wait at a vertex, and first begin a move; see `Traffic`."""
 
     def waits(self, v: int) -> list[Range]: ...
-    def starts(self, u: int) -> Sequence[list[Range]]: ...
+    def first(self, e: int, low: int, high: int) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -70,6 +69,16 @@ class Effort:
         return time.monotonic() > self.deadline
 
 
+class Node(NamedTuple):
+    """A state: how it was reached, and when."""
+
+    parent: int
+    vertex: int
+    move: int
+    begin: int  # of the move
+    t: int
+
+
 def sipp(
     roadmap: Roadmap,
     start: int,
@@ -96,45 +105,44 @@ def sipp(
     if park and goal_waits[-1][1] != INF:
         return None
     soonest = max(release + 1, goal_waits[-1][0] if park else 0)
-    nodes: list[tuple[int, int, int, int, int]] = [(-1, start, -1, 0, 0)]  # parent, v, move, s, t
-    best = {(start, first): 0}
-    heap = [(max(to_goal[start], soonest), to_goal[start], 0, first)]
+    nodes: list[Node] = []
+    best: dict[tuple[int, int], int] = {}
+    # f, steps left, node that it comes from, move, where to, its interval (-1: any), begin, end
+    heap = [(max(to_goal[start], soonest), to_goal[start], -1, -1, start, first, 0, 0)]
     while heap:
-        f, _, number, i = heappop(heap)
-        _, u, _, _, t = nodes[number]
-        key = u, (i if u != goal or t <= release else -1 - i)
-        if best.get(key, t) < t or f > most:
+        f, left, parent, e, v, i, begin, end = heappop(heap)
+        length = roadmap.lengths[e] if e >= 0 else 0
+        if i < 0:
+            there = safe.waits(v)
+            for j in range(bisect_left(there, begin + length, key=itemgetter(1)), len(there)):
+                a, b = max(begin, there[j][0] - length), min(end, there[j][1] - length)
+                if a > end:
+                    break
+                heappush(heap, (max(a + length + left, soonest), left, parent, e, v, j, a, b))
             continue
-        low, high = safe.waits(u)[i]
-        if u == goal and t > release and (not park or high == INF):
-            return _track(roadmap, nodes, number, goal)
+        mark = v, (i if v != goal or begin + length <= release else -1 - i)
+        if best.get(mark, INF) <= begin + length:
+            continue
+        soon = safe.first(e, begin, end) if e >= 0 else 0
+        if soon != begin:
+            if soon > begin and soon + length + left <= most:
+                again = max(soon + length + left, soonest)
+                heappush(heap, (again, left, parent, e, v, i, soon, end))
+            continue
+        t = begin + length
+        best[mark] = t
+        number = len(nodes)
+        nodes.append(Node(parent, v, e, begin, t))
+        high = safe.waits(v)[i][1]
+        if v == goal and t > release and (not park or high == INF):
+            return _track(roadmap, nodes, goal)
         effort.expanded += 1
         if effort.expanded % LOOK == 0 and effort.late():
             return None
-        leaving = roadmap.leaving(u)
-        starts = safe.starts(u)
-        for m, head in enumerate(leaving.heads):
+        for e, head, length in roadmap.out[v]:
             left = to_goal[head]
-            if left >= FAR:
-                continue
-            length = leaving.length[m]
-            there = safe.waits(head)
-            for a, b in starts[m]:
-                if b < t:
-                    continue
-                if a > high:
-                    break
-                soon, late = max(a, t) + length, min(b, high) + length
-                for j in range(bisect_left(there, soon, key=itemgetter(1)), len(there)):
-                    lo, _ = there[j]
-                    if lo > late:
-                        break
-                    at = max(soon, lo)
-                    mark = head, (j if head != goal or at <= release else -1 - j)
-                    if best.get(mark, INF) > at:
-                        best[mark] = at
-                        heappush(heap, (max(at + left, soonest), left, len(nodes), j))
-                        nodes.append((number, head, m, at - length, at))
+            if t + length + left <= most:
+                heappush(heap, (max(t + length + left, soonest), left, number, e, head, -1, t, high))
     return None
 
 
@@ -143,19 +151,18 @@ def _interval(ranges: list[Range], t: int) -> int | None:
     return next((i for i, (a, b) in enumerate(ranges) if a <= t <= b), None)
 
 
-def _track(
-    roadmap: Roadmap, nodes: list[tuple[int, int, int, int, int]], number: int, goal: int
-) -> Track:
+def _track(roadmap: Roadmap, nodes: list[Node], goal: int) -> Track:
+    """What leads to the last node."""
     actions: list[Action] = []
-    while number > 0:
-        parent, head, m, start, _ = nodes[number]
-        tail, at = nodes[parent][1], nodes[parent][4]
-        leaving = roadmap.leaving(tail)
-        length = leaving.length[m]
-        actions.append(Action(leaving.moves[m], tail, head, leaving.first[m], start, length))
-        if start > at:
-            actions.append(Action(-1, tail, tail, tail, at, start - at))
-        number = parent
+    node = nodes[-1]
+    while node.parent >= 0:
+        before, length = nodes[node.parent], node.t - node.begin
+        step = roadmap.first(node.move)
+        actions.append(Action(node.move, before.vertex, node.vertex, step, node.begin, length))
+        if node.begin > before.t:
+            u, t = before.vertex, before.t
+            actions.append(Action(-1, u, u, u, t, node.begin - t))
+        node = before
     actions.reverse()
     steps = [
         np.full(a.length, a.step) if a.move < 0 else np.arange(a.step, a.step + a.length)
