@@ -9,13 +9,13 @@ from pydantic import Field
 
 from ..dice import Dice
 from ..schema import Scenario
-from .placing import Q, bare, scatter, sent, team
+from .placing import Q, bare, body, scatter, sent, team
 from .registry import Seed, builtin
 from .turning import any_way, pose
 
 THICK, SIDE, TURN = 0.5, 2.6, math.pi / 2  # of the wall, metres; of the channel, rad
 LENGTH, WIDTH, HEIGHT = 0.3, 0.8, 0.08  # metres, of the bar
-OUT, ASIDE = 0.9, 0.5  # metres from the wall's middle that the bar may be along x, and along y, z
+OUT, ASIDE = 0.9, 0.5  # metres from the wall's middle that the bar may be along y, and along x, z
 Clear = Annotated[float, Field(ge=0.03, le=0.3, strict=True)]
 
 
@@ -36,18 +36,18 @@ def twist(seed: Seed = 0, clear: Clear = 0.2) -> Scenario:
         "twist",
         description="A twisted bar passes a wall by a channel that turns by a right angle.",
         seed=seed,
-        workspace={"low": (-OUT, -ASIDE, -ASIDE), "high": (OUT, ASIDE, ASIDE)},
+        workspace={"low": (-ASIDE, -OUT, -ASIDE), "high": (ASIDE, OUT, ASIDE)},
         shapes={"bar": {"kind": "twisted_bar", **bar}, "wall": {"kind": "twisted_wall", **wall}},
         models={"bar": {"shape": "bar", "base": "free"}},
         robots=team(1, "bar", 7, goal_tolerance={"position": 0.05, "angle": 0.1}),
-        bodies=[{"name": "wall", "shape": "wall", "groups": ("glass",)}],
+        bodies=[body("wall", 0.0, 0.0, math.pi / 2, name="wall")],
     )
     dice = Dice(seed, 9)
 
     def place(side: int) -> Q:
         """Anywhere before (-1) or behind (1) the wall."""
-        x = side * dice.between(THICK / 2, OUT)
-        y, z = (dice.between(-ASIDE, ASIDE) for _ in range(2))
+        y = side * dice.between(THICK / 2, OUT)
+        x, z = (dice.between(-ASIDE, ASIDE) for _ in range(2))
         return pose(x, y, z, any_way(dice))
 
     starts = scatter(scenario, lambda _: place(-1))
