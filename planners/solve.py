@@ -123,7 +123,16 @@ def _search(
     except KeyboardInterrupt:
         if not made.haveExactSolutionPath():
             raise
-    return made.path() if made.haveExactSolutionPath() else None
+    if not made.haveExactSolutionPath():
+        return None
+    states = made.path()
+    ends = made.states(made.problem.starts), made.states(made.problem.goals)
+    if not np.allclose(states[[0, -1]], ends, atol=1e-9):
+        raise PlanningError(
+            f"{planner} gave a path that does not lead from start to goal, a fault of OMPL 2.0's:"
+            " take another planner"
+        )
+    return states
 
 
 def _project(space: Any) -> None:

@@ -41,9 +41,14 @@ class Layout:
         return self.robot.nq - (3 if self.level else 0)
 
     def states(self, q: ArrayLike) -> Floats:
-        """States (..., size) of configurations (..., nq); angles come to [-pi, pi)."""
+        """States (..., size) of configurations (..., nq); angles come to [-pi, pi).
+
+        Quaternions come to length 1: OMPL takes no state in which it is off by more than 1e-9.
+        """
         q = np.array(q, dtype=np.float64)
         q[..., self.robot.endless] = _wrapped(q[..., self.robot.endless])
+        if self.robot.base == "free":
+            q[..., 3:7] /= np.linalg.norm(q[..., 3:7], axis=-1, keepdims=True)
         if not self.level:
             return q
         yaw = 2.0 * np.arctan2(q[..., 5:6], q[..., 6:7])
