@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, run, scenarios, validate
+from fgenv.cli import bench, compare, plan, run, scenarios, validate, verify
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -19,6 +19,9 @@ EPILOG = """
   fgenv run three_tanks --mesh robot.stl  the same with your own robot
   fgenv run three_tanks --json            for a machine to read
   fgenv run swap --policy goto --n 4 --movie swap.gif --record swap.npz
+  fgenv plan doorway --n 4 --out p.npz    paths for all robots, timed and proved
+  fgenv verify p.npz                      prove them again, from the file alone
+  fgenv run doorway --n 4 --policy plan:p.npz
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file
@@ -69,6 +72,8 @@ def _common(
 
 
 app.command()(run.run)
+app.command()(plan.plan)
+app.command()(verify.verify)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(compare.compare)
