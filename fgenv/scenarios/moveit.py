@@ -16,7 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from fgenv.robots import Robot
 
@@ -37,6 +37,7 @@ SIZES = {  # how `dimensions` goes
 }
 WORLD = ("", "world", "/world")  # frames that poses may be in
 ATTACHED = ("robot_state", "attached_collision_objects")
+FORMS: TypeAdapter[AnyForm] = TypeAdapter(AnyForm)
 NEAR = 0.01  # m and rad: how near to its goal a robot has arrived
 
 
@@ -151,7 +152,7 @@ def parts_of(item: Node) -> Iterator[tuple[AnyForm, Pose]]:
 def primitive(part: Node) -> AnyForm:
     """The form of a shape_msgs/SolidPrimitive."""
     kind = part.get("type").value
-    kind = NUMBERED.get(kind, kind) if isinstance(kind, int) else str(kind).lower()
+    kind = NUMBERED.get(kind, kind) if type(kind) is int else str(kind).lower()
     if kind not in SIZES:
         part.get("type").fail(f"is {kind!r}", f"wanted one of: {', '.join(SIZES)}")
     sizes = part.get("dimensions").numbers(SIZES[kind])
@@ -179,7 +180,7 @@ def mesh(part: Node) -> AnyForm:
 def formed(part: Node, **sizes: Any) -> AnyForm:
     """A form of the schema; sizes that make no sense are errors of the file."""
     try:
-        return Scenario(version=1, name="-", shapes={"-": sizes}).shapes["-"]  # type: ignore[dict-item]
+        return FORMS.validate_python(sizes)
     except ValidationError as error:
         part.fail(f"cannot be a {sizes['kind']}", error.errors()[0]["msg"])
 
@@ -193,12 +194,13 @@ def problem_of(
         held.fail("is not read", "make a link of the robot of it")
     mount = mounted(request.find("start_state", "multi_dof_joint_state"))
     wanted = {**start, **goal_of(request)}
-    order = coordinates(arm)
+    kinematics = arm_of(arm.urdf or "")
+    order = kinematics.coordinates
     for joint in order:
         if joint not in start:
             request.get("start_state", "joint_state").fail(f"has no {joint!r}", "add it")
     robot = RobotSpec(
-        name=name_of(arm),
+        name=kinematics.name,
         model="arm",
         start=tuple(start[joint] for joint in order),
         goal=tuple(wanted[joint] for joint in order),
@@ -230,18 +232,8 @@ def goal_of(request: Node) -> dict[str, float]:
     return named
 
 
-def coordinates(arm: Model) -> tuple[str, ...]:
-    """Joints of a robot that have a value of their own, in the order of its configuration."""
-    return arm_of(arm.urdf or "").coordinates
-
-
-def name_of(arm: Model) -> str:
-    """What the robot's file calls it."""
-    return arm_of(arm.urdf or "").name
-
-
 def arm_of(urdf: str) -> Robot:
-    """The robot in a URDF file, its shapes left out."""
+    """The robot in a URDF file, for its name and the order of its joints."""
     path = urdf_path(urdf, None)
     return _read(path, path.stat().st_mtime_ns)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from .text import Document, FastLoader, parse, read
 from .trouble import Location, Problem, ScenarioError, path_text
 
 Numbers = tuple[float, ...]
+MOST, LONGEST = 1e6, 80  # of numbers, and of names
 
 
 @dataclass(frozen=True)
@@ -78,15 +78,15 @@ class Node:
             yield Node(node.path, node.document, value, (*node.place, i))
 
     def number(self) -> float:
-        """A finite number."""
+        """A number; NaN is none."""
         value = self.value
         real = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not real or not math.isfinite(value):
-            self.fail(f"is {short(value)}", "wanted a finite number")
+        if not real or not abs(value) <= MOST:
+            self.fail(f"is {short(value)}", f"wanted a number up to {MOST:g}")
         return float(value)
 
     def numbers(self, keys: Sequence[str]) -> Numbers:
-        """As many finite numbers as there are keys: a list of them, or a table with the keys."""
+        """As many numbers as there are keys: a list of them, or a table with the keys."""
         if isinstance(self.value, dict):
             return tuple(self.get(key).number() for key in keys)
         found = tuple(item.number() for item in self.items())
@@ -95,7 +95,7 @@ class Node:
         return found
 
     def text(self) -> str:
-        """A text that is not empty."""
-        if not isinstance(self.value, str) or not self.value:
-            self.fail(f"is {short(self.value)}", "wanted a name")
+        """A name."""
+        if not isinstance(self.value, str) or not 0 < len(self.value) <= LONGEST:
+            self.fail(f"is {short(self.value)}", f"wanted a name of up to {LONGEST} letters")
         return str(self.value)
