@@ -19,7 +19,7 @@ Gap = Annotated[float, Field(ge=0.15, le=1.0, strict=True)]
 
 
 @builtin(dimension=3, most=1)
-def rings(seed: Seed = 0, gap: Gap = 0.2) -> Scenario:
+def rings(seed: Seed = 0, gap: Gap = 0.15) -> Scenario:
     """Two linked rings have to be pulled apart through the gap between their ends, which overlap.
 
     For planners: a body that turns any way has no drive.
