@@ -15,7 +15,11 @@ struct Instant {
 };
 
 static inline Instant instant(const Moving& a, const Moving& b, double t) {
-    return {t, a.motion->pose(t), b.motion->pose(t), a.motion->velocity(t), b.motion->velocity(t)};
+    Instant out;
+    out.t = t;
+    out.a = a.motion->pose(t, out.va);
+    out.b = b.motion->pose(t, out.vb);
+    return out;
 }
 
 static inline double rounding_slack(const Instant& now, double radii) {

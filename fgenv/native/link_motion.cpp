@@ -74,20 +74,52 @@ void RobotMotion::bound(const Joint& joint, const Rigid& held, Link& link) const
     }
 }
 
+const RobotMotion::Snapshot* RobotMotion::snapshot(double s) const {
+    if (s != 0 && s != 0.5 && s != 1) return nullptr;
+    Snapshot& out = snapshots_[static_cast<size_t>(2 * s)];
+    if (!out.poses.empty()) return &out;
+    for (int32_t link = 0; link < robot_->n_links(); ++link) {
+        const int32_t parent = robot_->joints[link].parent;
+        Velocity velocity{{0, 0, 0}, {0, 0, 0}};
+        if (parent >= 0) velocity = out.velocities[parent];
+        out.poses.push_back(next(link, s, parent < 0 ? identity() : out.poses[parent], velocity));
+        out.velocities.push_back(velocity);
+    }
+    return &out;
+}
+
 Rigid RobotMotion::pose(int32_t link, double s) const {
     if (links_[link].still) return links_[link].at;
+    if (const Snapshot* known = snapshot(s)) return known->poses[link];
     const Joint& joint = robot_->joints[link];
     return carry(joint, joint.parent < 0 ? joint.origin : compose(pose(joint.parent, s), joint.origin), s);
 }
 
 Rigid RobotMotion::pose(int32_t link, double s, Velocity& velocity) const {
+    if (const Snapshot* known = snapshot(s)) {
+        velocity = known->velocities[link];
+        return known->poses[link];
+    }
+    return chain(link, s, velocity);
+}
+
+Rigid RobotMotion::chain(int32_t link, double s, Velocity& velocity) const {
     velocity = {{0, 0, 0}, {0, 0, 0}};
     if (links_[link].still) return links_[link].at;
+    const int32_t parent = robot_->joints[link].parent;
+    return next(link, s, parent < 0 ? identity() : chain(parent, s, velocity), velocity);
+}
+
+// A link's pose and velocity by those of its parent.
+Rigid RobotMotion::next(int32_t link, double s, const Rigid& parent, Velocity& velocity) const {
+    if (links_[link].still) {
+        velocity = {{0, 0, 0}, {0, 0, 0}};
+        return links_[link].at;
+    }
     const Joint& joint = robot_->joints[link];
-    const Rigid parent = joint.parent < 0 ? identity() : pose(joint.parent, s, velocity);
-    const Rigid held = frame(joint, parent), next = carry(joint, held, s);
+    const Rigid held = frame(joint, parent), placed = carry(joint, held, s);
     Vec3 &v = velocity.v, &w = velocity.w;
-    v = v + cross(w, origin(next) - origin(parent));
+    v = v + cross(w, origin(placed) - origin(parent));
     switch (joint.kind) {
         case JointKind::fixed: break;
         case JointKind::revolute:
@@ -101,7 +133,7 @@ Rigid RobotMotion::pose(int32_t link, double s, Velocity& velocity) const {
             v = rotate(held, {change_of(joint, 0), change_of(joint, 1), change_of(joint, 2)});
             w = rotate(held, slerp_.turn());
     }
-    return next;
+    return placed;
 }
 
 Acceleration RobotMotion::acceleration(int32_t link, const Rigid& offset) const {
@@ -128,9 +160,15 @@ Rigid LinkMotion::pose(double t) const {
 
 Velocity LinkMotion::velocity(double t) const {
     Velocity out;
-    const Rigid at = robot_->pose(link_, fraction(t), out);
-    if (has_offset_) out.v = out.v + cross(out.w, rotate(at, origin(offset_)));
-    return {rate_ * out.v, rate_ * out.w};
+    pose(t, out);
+    return out;
+}
+
+Rigid LinkMotion::pose(double t, Velocity& velocity) const {
+    const Rigid at = robot_->pose(link_, fraction(t), velocity);
+    if (has_offset_) velocity.v = velocity.v + cross(velocity.w, rotate(at, origin(offset_)));
+    velocity = {rate_ * velocity.v, rate_ * velocity.w};
+    return has_offset_ ? compose(at, offset_) : at;
 }
 
 }  // namespace fgenv

@@ -1,6 +1,7 @@
 // How a robot and its links move straight from one configuration to another.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "chain_bound.h"
@@ -8,7 +9,7 @@
 
 namespace fgenv {
 
-// All links' motions at once; a robot outlives its motions.
+// All links' motions at once; a robot outlives its motions. Not for several threads at once.
 class RobotMotion {
 public:
     RobotMotion(const Robot& robot, const double* q0, const double* q1);
@@ -27,6 +28,15 @@ private:
         ChainBound chain;  // of that link
     };
 
+    // All links at one of the fractions that every pair of parts is looked at: found once for all.
+    struct Snapshot {
+        std::vector<Rigid> poses;
+        std::vector<Velocity> velocities;
+    };
+    const Snapshot* snapshot(double s) const;
+    Rigid chain(int32_t link, double s, Velocity& velocity) const;
+    Rigid next(int32_t link, double s, const Rigid& parent, Velocity& velocity) const;
+
     bool moves(const Joint& joint) const;
     double change_of(const Joint& joint, int32_t k) const;
     Rigid carry(const Joint& joint, const Rigid& held, double s) const;
@@ -36,6 +46,7 @@ private:
     std::vector<double> q0_, q1_;
     Slerp slerp_;  // of a free base
     std::vector<Link> links_;
+    mutable std::array<Snapshot, 3> snapshots_;  // at 0, 0.5 and 1
 };
 
 // The motion of one link, or of a body held at `offset` in its frame; the robot's motion outlives it.
@@ -47,6 +58,7 @@ public:
 
     Rigid pose(double t) const override;
     Velocity velocity(double t) const override;
+    Rigid pose(double t, Velocity& velocity) const override;
     Acceleration acceleration() const override { return acceleration_; }
     double turn() const override { return rate_ * robot_->turn(link_); }
 

@@ -49,8 +49,17 @@ Rigid RigidMotion::frame(double t) const {
 Rigid RigidMotion::pose(double t) const { return has_offset_ ? compose(frame(t), offset_) : frame(t); }
 
 Velocity RigidMotion::velocity(double t) const {
-    const Vec3 w = rate_ * turn_, v = rate_ * shift_;
-    return {has_offset_ ? v + cross(w, rotate(frame(t), origin(offset_))) : v, w};
+    Velocity out;
+    pose(t, out);
+    return out;
+}
+
+Rigid RigidMotion::pose(double t, Velocity& velocity) const {
+    const Rigid at = frame(t);
+    velocity = {rate_ * shift_, rate_ * turn_};
+    if (!has_offset_) return at;
+    velocity.v = velocity.v + cross(velocity.w, rotate(at, origin(offset_)));
+    return compose(at, offset_);
 }
 
 Box posed_box(const Shape& shape, const Rigid& pose) {

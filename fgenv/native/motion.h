@@ -22,6 +22,7 @@ public:
     virtual ~BodyMotion();
     virtual Rigid pose(double t) const = 0;
     virtual Velocity velocity(double t) const = 0;
+    virtual Rigid pose(double t, Velocity& velocity) const = 0;
     virtual Acceleration acceleration() const = 0;
     virtual double turn() const = 0;  // radians: at most this far over [0, 1]
     virtual double speed(double radius) const;  // at most: of points this far from the body's origin
@@ -38,6 +39,7 @@ public:
 
     Rigid pose(double t) const override;
     Velocity velocity(double t) const override;
+    Rigid pose(double t, Velocity& velocity) const override;
     Acceleration acceleration() const override { return acceleration_; }
     double turn() const override { return rate_ * angle_; }
     double speed(double radius) const override {
