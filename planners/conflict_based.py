@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 from .bans import Ban, Banned
 from .clashes import Clash, Clashes
 from .errors import PlanningError
-from .intervals import Traffic
 from .many import Tables, Timetable
 from .moves import Floats
 from .others import Timed
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
 
 Knot = Callable[[tuple[int, ...], float], Sequence[Floats]]
 KNOT = 20  # so often do two robots meet in the search before they are solved jointly
+STATES = 1000  # of a search for a track that meets nobody
 SHARE = 0.3  # of the time that is left, for a knot
 
 
@@ -171,8 +171,7 @@ class Search:
         self.nodes = 0
         self._times: dict[tuple[int, int], int] = {}
         self._safe = {
-            i: Traffic(tables.meetings, tables.kinds[i], tables.roadmap(i), list(self.given.values()))
-            for i in self.robots
+            i: tables.traffic(i, self.given.values()) for i in self.robots
         }
 
     def run(self) -> Node | None:
@@ -275,10 +274,9 @@ class Search:
         tables, roadmap = self.tables, self.tables.roadmap(i)
         safe = self._safe[i]
         if others:
-            seen = [*self.given.values(), *others]
-            safe = Traffic(tables.meetings, tables.kinds[i], roadmap, seen)
+            safe = tables.traffic(i, [*self.given.values(), *others])
         banned = Banned(safe, bans)
-        bound = {} if math.isinf(most) else {"most": int(most)}
+        bound = {} if math.isinf(most) else {"most": int(most), "states": STATES}
         return sipp(
             roadmap,
             tables.starts[i],

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,15 +14,14 @@ import numpy as np
 from .conflicts import Meetings
 from .errors import PlanningError
 from .growing import grow
-from .others import Timed
-from .moves import GONE, Floats, Ints
+from .intervals import Traffic
+from .others import Other, Timed
+from .moves import GONE, Floats
 from .roadmap import FAR, Roadmap
 from .sipp import Effort, Track
 
 if TYPE_CHECKING:
     from .problem import Problem
-
-NONE = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ class Tables:
 
     def __init__(self, problem: Problem, finer: int = 0) -> None:
         self.problem, self.finer = problem, finer
+        self._timed: WeakKeyDictionary[Track, Timed] = WeakKeyDictionary()
 
     @cached_property
     def kinds(self) -> tuple[int, ...]:
@@ -122,7 +124,10 @@ class Tables:
 
     def timed(self, i: int, track: Track) -> Timed:
         """Robot i's track as others see it."""
-        return Timed(self.kinds[i], track.steps, self.goals[i] if self.park else GONE)
+        if track not in self._timed:
+            rest = self.goals[i] if self.park else GONE
+            self._timed[track] = Timed(self.kinds[i], track.steps, rest)
+        return self._timed[track]
 
     def given(self, i: int, path: Floats) -> Timed:
         """A timed path (k + 1, nq) of robot i that is not on its roadmap, as others see it."""
@@ -130,6 +135,16 @@ class Tables:
         first = table.add(path[:-1], path[1:])
         steps = first + np.arange(len(path) - 1, dtype=np.int64)
         return Timed(self.kinds[i], steps, self.goals[i] if self.park else GONE)
+
+    def traffic(self, i: int, others: Iterable[Timed]) -> Traffic:
+        """Others' timed paths as robot i meets them; what is found out of a path is kept with it."""
+        return Traffic(self.roadmap(i), [self._seen(i, timed) for timed in others])
+
+    def _seen(self, i: int, timed: Timed) -> Other:
+        kind = self.kinds[i]
+        if kind not in timed.seen:
+            timed.seen[kind] = Other(self.meetings, kind, self.roadmaps[kind], timed)
+        return timed.seen[kind]
 
     def path(self, i: int, timed: Timed) -> Floats:
         """Configurations (k + 1, nq) of robot i at each step."""

@@ -1,82 +1,118 @@
-"""Other robots' timed paths as entries: steps made once, at a time, and steps stood through."""
+"""Another robot's timed path, as a robot of a kind meets it on its roadmap; found out on demand."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from .cells import covered
 from .conflicts import Bools, Meetings
+from .doubts import Doubts
 from .moves import GONE, Floats, Ints
-from .roadmap import INF
+from .roadmap import INF, Roadmap
+
+Range = tuple[int, int]  # first and last, both within
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Timed:
     """What a robot does in each step, (k,), and then for ever (GONE: it is not there)."""
 
     kind: int
     steps: Ints
     rest: int
+    seen: dict[int, Other] = field(default_factory=dict)  # by the kind of who meets it
 
 
 @dataclass(frozen=True)
-class Entries:
-    """Entry e: somebody of a kind makes step `steps[e]` at each time of `first[e]` to `last[e]`."""
+class Unsafe:
+    """When a robot must not wait at a vertex: ranges of steps in which the other stands in its way,
+    and steps in which he passes."""
 
-    kind: int
-    steps: Ints
-    first: Ints
-    last: Ints  # INF: for ever
-    centre: Floats
-    radius: Floats
-
-    def near(self, centre: Floats, reach: float) -> Ints:
-        """Entries whose balls overlap a ball (3,), metres."""
-        away = self.centre - centre
-        far = self.radius + reach
-        return np.flatnonzero(np.einsum("ij,ij->i", away, away) <= far * far)
-
-    def pairs(
-        self, entries: Ints, centre: Floats, radius: Floats, margin: float
-    ) -> tuple[Ints, Ints]:
-        """Places of balls (n, 3), (n,) and entries that overlap, two arrays (m,)."""
-        at = self.centre[entries]
-        middle = at.mean(0)  # near zero, squares lose nothing
-        a, b = centre - middle, at - middle
-        squares = (a * a).sum(1)[:, None] + (b * b).sum(1) - 2.0 * (a @ b.T)
-        reach = radius[:, None] + (self.radius[entries] + (margin + 1e-6))
-        one, two = np.nonzero(squares <= reach * reach)
-        return one, entries[two]
+    stood: list[Range]
+    passed: frozenset[int]
 
 
-def entries(
-    meetings: Meetings, kind: int, others: Sequence[Timed]
-) -> tuple[Entries, Entries]:
-    """Those of one kind: who moves, a step each, and who stands, as long as they do."""
-    moving: list[tuple[Ints, Ints, Ints]] = []
-    standing: list[tuple[Ints, Ints, Ints]] = []
-    table = meetings.steps[kind]
-    for other in others:
-        steps = other.steps if other.rest == GONE else np.append(other.steps, other.rest)
-        if not len(steps):
-            continue
+class Other:
+    """Entries: he makes step `steps[n]` in each of the steps `first[n]` to `last[n]` of time."""
+
+    def __init__(self, meetings: Meetings, kind: int, roadmap: Roadmap, timed: Timed) -> None:
+        self.meetings, self.kind, self.roadmap, self.timed = meetings, kind, roadmap, timed
+        steps = timed.steps if timed.rest == GONE else np.append(timed.steps, timed.rest)
         begin = np.flatnonzero(np.diff(steps, prepend=-1))
-        end = np.append(begin[1:], len(steps)) - 1
-        if other.rest != GONE:
+        end = np.append(begin, len(steps))[1:] - 1
+        if timed.rest != GONE:
             end[-1] = INF
-        made = steps[begin]
-        still: Bools = (table.q0[made] == table.q1[made]).all(1)
-        for rows, which in ((moving, ~still), (standing, still)):
-            rows.append((made[which], begin[which], end[which]))
-    return _joined(meetings, kind, moving), _joined(meetings, kind, standing)
+        table = meetings.steps[timed.kind]
+        self.steps, self.first, self.last = steps[begin], begin, end
+        self.still: Bools = (table.q0[self.steps] == table.q1[self.steps]).all(1)
+        self.centre, self.radius = table.centre[self.steps], table.radius[self.steps]
+        self._cells: dict[tuple[float, float], frozenset[int]] = {}
+        self._waits: dict[int, Unsafe | None] = {}
+        self._moves: dict[int, Doubts | None] = {}
 
+    def cells(self, side: float, reach: float) -> frozenset[int]:
+        """Cells from where a ball of that reach (m) may come near him, some time; see `covered`."""
+        key = side, reach
+        if key not in self._cells:
+            wide = reach + self.meetings.margin
+            self._cells[key] = covered(self.centre, self.radius, side, wide)
+        return self._cells[key]
 
-def _joined(meetings: Meetings, kind: int, rows: list[tuple[Ints, Ints, Ints]]) -> Entries:
-    none = np.zeros(0, dtype=np.int64)
-    steps, first, last = (
-        np.concatenate([none, *column]) for column in (zip(*rows, strict=True) if rows else [()] * 3)
-    )
-    table = meetings.steps[kind]
-    return Entries(kind, steps, first, last, table.centre[steps], table.radius[steps])
+    def waits(self, v: int) -> Unsafe | None:
+        """When waiting at vertex v is not safe; None: it always is."""
+        if v not in self._waits:
+            _, b = self._near(np.array([v]))
+            met = b[self.meetings.meet_near(self.kind, np.full(len(b), v), *self._theirs(b))]
+            stood, passed = met[self.still[met]], met[~self.still[met]]
+            ranges = list(zip(self.first[stood].tolist(), self.last[stood].tolist(), strict=True))
+            unsafe = Unsafe(ranges, frozenset(self.first[passed].tolist()))
+            self._waits[v] = unsafe if len(met) else None
+        return self._waits[v]
+
+    def moves(self, e: int) -> Doubts | None:
+        """When beginning move e may not be safe; None: it always is."""
+        if e not in self._moves:
+            self._moves[e] = self._doubts(self.roadmap.numbers(e))
+        return self._moves[e]
+
+    def there(self, v: int, instants: list[int]) -> list[int]:
+        """Those of the instants, at which he begins a step, at which he is in the way at v."""
+        at = np.searchsorted(self.first, instants)
+        there = self.meetings.steps[self.timed.kind].q0[self.steps[at]]
+        q = np.broadcast_to(self.roadmap.q[v], (len(at), self.roadmap.q.shape[1]))
+        hit = self.meetings.ask(self.kind, q, q, self.timed.kind, there, there)
+        return self.first[at[hit]].tolist()
+
+    def _doubts(self, mine: Ints) -> Doubts | None:
+        a, b = self._near(mine)
+        if not len(a):
+            return None
+        first, still = self.first[b] - a, self.still[b]
+        pairs = mine[a], *self._theirs(b)
+        blocked = []
+        if still.any():
+            met = still.copy()
+            met[still] = self.meetings.meet_near(
+                self.kind, pairs[0][still], pairs[1], pairs[2][still]
+            )
+            last = np.where(self.last[b] == INF, INF, self.last[b] - a)
+            ranges = zip(first[met].tolist(), last[met].tolist(), strict=True)
+            blocked = [r for r in ranges if r[1] >= 0]
+        moving = np.flatnonzero(~still)
+        moving = moving[np.argsort(first[moving], kind="stable")]
+        if not blocked and not len(moving):
+            return None
+        rows = first[moving], pairs[0][moving], pairs[2][moving]
+        return Doubts(self.meetings, (self.kind, self.timed.kind), blocked, *rows)
+
+    def _theirs(self, entries: Ints) -> tuple[int, Ints]:
+        return self.timed.kind, self.steps[entries]
+
+    def _near(self, mine: Ints) -> tuple[Ints, Ints]:
+        """Places in `mine`, of steps, and entries, whose balls overlap: two arrays (n,)."""
+        table = self.roadmap.steps
+        away = table.centre[mine][:, None] - self.centre
+        reach = table.radius[mine][:, None] + (self.radius + self.meetings.margin)
+        return np.nonzero(np.einsum("ijk,ijk->ij", away, away) <= reach * reach)

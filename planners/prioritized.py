@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import PlanningError
-from .intervals import Traffic
 from .many import Tables, Timetable
 from .moves import GONE, Floats
 from .others import Timed
@@ -116,9 +115,8 @@ class _Search:
     def alone(self, i: int, others: Sequence[Timed]) -> Track | None:
         """Robot i's soonest track among others."""
         tables, roadmap = self.tables, self.tables.roadmap(i)
-        traffic = Traffic(tables.meetings, tables.kinds[i], roadmap, others)
         ends = tables.starts[i], tables.goals[i]
-        return sipp(roadmap, *ends, traffic, self.effort, park=tables.park)
+        return sipp(roadmap, *ends, tables.traffic(i, others), self.effort, park=tables.park)
 
     def _waiting(self, j: int, steps: int) -> Timed:
         start = np.full(steps, self.tables.starts[j], dtype=np.int64)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from fgenv.robots import Robot
@@ -51,6 +53,17 @@ class Roadmap:
         if self._ways is not None:
             return len(self._ways[e]) - 1
         return len(self.pace.fractions(self.q[self.tails[e]], self.q[self.heads[e]])) - 1
+
+    @cached_property
+    def reach(self) -> float:
+        """Metres from a vertex's ball's centre that no point of a robot that leaves it exceeds."""
+        if not len(self.tails):
+            return float(self.steps.radius.max())
+        if self._ways is None:
+            far = self.robot.distance(self.q[self.tails], self.q[self.heads])
+        else:
+            far = np.array([self.robot.distance(w[:-1], w[1:]).sum() for w in self._ways])
+        return float((self.steps.radius[self.tails] + far).max())
 
     def _out(self) -> list[list[tuple[int, int, int]]]:
         """Of each vertex the moves that leave it: number, where to, how many steps."""

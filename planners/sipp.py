@@ -42,7 +42,7 @@ class Action:
     length: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Track:
     """What one robot does: actions one after the other, and the steps' numbers, (k,)."""
 
@@ -89,6 +89,7 @@ def sipp(
     park: bool = True,
     release: int = -1,
     most: int = INF,
+    states: int = INF,
 ) -> Track | None:
     """The soonest track from start, at instant 0, to the goal; None where there is none in time.
 
@@ -96,6 +97,7 @@ def sipp(
         park: it has to stay at the goal for ever, safely.
         release: it must not arrive, to stay, before the instant after this.
         most: tracks that arrive later than this are of no use.
+        states: it gives up after so many.
     """
     to_goal, goal_waits = roadmap.to(goal), safe.waits(goal)
     effort.searches += 1
@@ -137,7 +139,7 @@ def sipp(
         if v == goal and t > release and (not park or high == INF):
             return _track(roadmap, nodes, goal)
         effort.expanded += 1
-        if effort.expanded % LOOK == 0 and effort.late():
+        if number >= states or (number % LOOK == 0 and effort.late()):
             return None
         for e, head, length in roadmap.out[v]:
             left = to_goal[head]
