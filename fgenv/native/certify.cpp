@@ -17,6 +17,7 @@ constexpr int max_halvings = 5;    // up to so many times; then
 constexpr int all_pairs = 1 << 16;  // are looked at
 constexpr int few_pairs = 4;       // are taken one by one, without halving their time
 constexpr int max_splits = 10;     // or more of them after so many times
+constexpr int box_planes = 4;      // between their boxes,
 constexpr int max_planes = 256;    // between two bodies, one after the other, and
 constexpr size_t most_pairs = 256; // of their shells
 
@@ -28,6 +29,15 @@ Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half
     };
     return {relative(now.a, now.b), side(now.va, a.motion->acceleration()), side(now.vb, b.motion->acceleration()),
             margin, 0};
+}
+
+Hull hull_of(const Shape& s, size_t begin, size_t end) {
+    return {s.mesh.vertices.data(), s.corners.data() + begin, static_cast<int32_t>(end - begin), s.radius};
+}
+Hull hull_of_box(const Shape& s) {
+    double radius = 0;
+    for (const Vec3& p : s.box) radius = greater(radius, norm(p));
+    return {s.box.data(), nullptr, 8, radius};
 }
 
 class Certifier {
@@ -115,9 +125,9 @@ private:
     // other, even if they touch in the end. Where none parts them as wholes, each shell from each shell.
     double part(double lo, double hi) {
         const Shape &a = *a_.shape, &b = *b_.shape;
-        if (a.corners.empty() || b.corners.empty()) return lo;
-        const auto whole = [](const Shape& s) { return Piece{{0, 0, 0}, 0, 0, static_cast<int32_t>(s.corners.size())}; };
-        lo = part(whole(a), whole(b), lo, hi);
+        lo = part(hull_of_box(a), hull_of_box(b), lo, hi, box_planes);
+        if (lo >= lesser(hi, contact_.free_until) || done() || a.corners.empty() || b.corners.empty()) return lo;
+        lo = part(hull_of(a, 0, a.corners.size()), hull_of(b, 0, b.corners.size()), lo, hi, max_planes);
         const size_t pairs = a.pieces.size() * b.pieces.size();
         if (lo >= lesser(hi, contact_.free_until) || pairs < 2 || pairs > most_pairs) return lo;
         const Rigid at_a = a_.motion->pose(lo), at_b = b_.motion->pose(lo);
@@ -127,14 +137,14 @@ private:
                 const double until = lesser(hi, contact_.free_until);
                 const double gap = norm(apply(at_b, q.centre) - apply(at_a, p.centre)) - askew * (p.radius + q.radius) - settings_.margin;
                 if (gap <= speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
-                    parted = lesser(parted, part(p, q, lo, until));
+                    parted = lesser(parted, part(hull_of(a, p.begin, p.end), hull_of(b, q.begin, q.end), lo, until, max_planes));
             }
         return parted;
     }
 
-    double part(const Piece& of_a, const Piece& of_b, double lo, double hi) {
+    double part(const Hull& of_a, const Hull& of_b, double lo, double hi, int planes) {
         PlaneAdvance bodies(a_, b_, of_a, of_b, settings_);
-        for (int i = 0; i < max_planes; ++i) {
+        for (int i = 0; i < planes; ++i) {
             const double after = bodies.stay(lo, hi - lo);
             if (lo + after >= hi) return hi;
             lo += after;

@@ -6,13 +6,21 @@
 
 namespace fgenv {
 
+// Points that enclose a body or a shell of it, in the frame of the shape.
+struct Hull {
+    const Vec3* points;
+    const int32_t* which;  // null: the first `count` of them
+    int32_t count;
+    double radius;  // of the farthest from the frame's origin
+};
+
 class PlaneAdvance {
 public:
-    PlaneAdvance(const Moving& a, const Moving& b, const Piece& of_a, const Piece& of_b, const CertifySettings& s)
+    PlaneAdvance(const Moving& a, const Moving& b, const Hull& of_a, const Hull& of_b, const CertifySettings& s)
         : a_(a), b_(b), of_a_(of_a), of_b_(of_b), settings_(s) {
         const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
-        radii_ = askew * (a.shape->radius + b.shape->radius);
-        acceleration_ = at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * a.shape->radius + at_b.by_radius * b.shape->radius);
+        radii_ = askew * (of_a.radius + of_b.radius);
+        acceleration_ = at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
     }
 
     // How long after t a plane parts them for certain, at most `longest`; 0 if none is found.
@@ -24,8 +32,7 @@ public:
         const double apart_before = apart_;
         const Vec3 guess = norm(before) > 0 ? before : origin(now_.b) - origin(now_.a);
         along_ = unit(way_apart([&](Vec3 n) {
-            const Corner p = farthest(*a_.shape, of_a_, unrotate(now_.a, n)),
-                         q = farthest(*b_.shape, of_b_, -1.0 * unrotate(now_.b, n));
+            const Corner p = farthest(of_a_, unrotate(now_.a, n)), q = farthest(of_b_, -1.0 * unrotate(now_.b, n));
             return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
         }, guess));
         const double anew = stay_along(longest);
@@ -43,10 +50,10 @@ private:
         double most;
         Vec3 at;
     };
-    static Corner farthest(const Shape& s, const Piece& piece, Vec3 along) {
+    static Corner farthest(const Hull& hull, Vec3 along) {
         Corner out{-HUGE_VAL, {0, 0, 0}};
-        for (int32_t i = piece.begin; i < piece.end; ++i) {
-            const Vec3& v = s.mesh.vertices[s.corners[i]];
+        for (int32_t i = 0; i < hull.count; ++i) {
+            const Vec3& v = hull.points[hull.which ? hull.which[i] : i];
             const double x = dot(along, v);
             if (x > out.most) out = {x, v};
         }
@@ -65,8 +72,8 @@ private:
     }
     // What is between them at time s: the least of linear functions, so a concave one.
     double gap(const Turning& k, double s, Corner& far_a, Corner& far_b) const {
-        far_a = farthest(*a_.shape, of_a_, k.to_a + s * k.turn_a);
-        far_b = farthest(*b_.shape, of_b_, -1.0 * (k.to_b + s * k.turn_b));
+        far_a = farthest(of_a_, k.to_a + s * k.turn_a);
+        far_b = farthest(of_b_, -1.0 * (k.to_b + s * k.turn_b));
         return dot(k.n + s * k.change, origin(now_.b) - origin(now_.a)) - s * dot(k.n, now_.va.v - now_.vb.v) - far_a.most - far_b.most;
     }
 
@@ -99,11 +106,11 @@ private:
 
     // At most, of a point of one against a point of the other.
     double relative_speed() const {
-        return norm(now_.va.v - now_.vb.v) + askew * (norm(now_.va.w) * a_.shape->radius + norm(now_.vb.w) * b_.shape->radius);
+        return norm(now_.va.v - now_.vb.v) + askew * (norm(now_.va.w) * of_a_.radius + norm(now_.vb.w) * of_b_.radius);
     }
 
     const Moving &a_, &b_;
-    const Piece &of_a_, &of_b_;
+    const Hull of_a_, of_b_;
     const CertifySettings& settings_;
     double radii_, acceleration_, apart_ = 0;
     Vec3 along_{0, 0, 0};

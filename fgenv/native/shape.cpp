@@ -103,6 +103,20 @@ void find_pieces(Shape& shape, const Mesh& mesh) {
     shape.pieces.shrink_to_fit();
 }
 
+// As `posed_box` takes it: the axes are floats.
+std::array<Vec3, 8> corners_of(const OrientedBox& box) {
+    std::array<Vec3, 8> out;
+    for (int k = 0; k < 8; ++k) {
+        Vec3 p{box.centre[0], box.centre[1], box.centre[2]};
+        for (int i = 0; i < 3; ++i) {
+            const double by = (k >> i & 1 ? 1 : -1) * box.half[i] * (1 + 1e-6);
+            p = p + by * Vec3{box.axis[i][0], box.axis[i][1], box.axis[i][2]};
+        }
+        out[k] = p;
+    }
+    return out;
+}
+
 template <class T>
 size_t bytes(const std::vector<T>& v) {
     return v.capacity() * sizeof(T);
@@ -133,6 +147,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
         shape.reach = std::max({shape.reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     }
     find_pieces(shape, mesh);
+    shape.box = corners_of(shape.tree.boxes[0]);
     shape.mesh = std::move(mesh);
     // What only the build needed.
     shape.graph.kept = {};

@@ -28,6 +28,7 @@ struct Shape {
     PackedBoxes solids;   // around each closed shell: where a part can be inside
     std::vector<int32_t> corners;  // vertices, shell by shell; empty where there are very many
     std::vector<Piece> pieces;     // one a shell, where a plane may part what none parts as a whole
+    std::array<Vec3, 8> box;       // corners of an oriented box around it
     double radius = 0;         // of the farthest vertex from the origin of the shape's frame, metres
     double reach = 0;          // the largest coordinate, up to its sign
     double smallest_part = 0;  // a part is at least this long
