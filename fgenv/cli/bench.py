@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli import bench_env, bench_world
+from fgenv.cli import bench_env, bench_planners, bench_world
 from fgenv.cli.options import Json, Seed
 
 app = typer.Typer(
@@ -20,6 +20,7 @@ app = typer.Typer(
 )
 app.command()(bench_world.world)
 app.command()(bench_env.env)
+app.command()(bench_planners.planners)
 
 
 @app.command("pairs")

@@ -1,0 +1,1 @@
+"""``fgenv bench planners``: OMPL on fgenv's checks against OMPL on checkers written in Python."""

@@ -1,0 +1,107 @@
+"""One search by one way, its path shortened and looked at by an independent judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from time import process_time
+from typing import Any, Protocol
+
+import numpy as np
+from ompl import geometric as og
+from ompl import util as ou
+
+from .rigid import Bind, asked
+from .task import Floats
+from .ways import Search, Way
+
+ROUNDS = 4  # of shortening
+FINER = 100  # times, the judge's steps
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search came to.
+
+    Attributes:
+        seconds: of CPU of the process until the first solution, or the end of time.
+        states, motions: asked for. A motion certified counts no states.
+        path: the shortened solution's states (m, size), or None.
+    """
+
+    seconds: float
+    states: int
+    motions: int
+    path: Floats | None
+
+
+def seeded(way: Way, seed: int) -> Search:
+    """A new search whose random numbers come from a seed; OMPL ignores one of 0."""
+    ou.RNG.setSeed(seed + 1)
+    return way()
+
+
+def run(search: Search, limit: float, shorten: bool = True) -> Found:
+    """Solve within `limit` seconds of the wall's clock; OMPL's set-up is not timed, the rest is."""
+    search.simple.setup()
+    before = search.validity.checks, search.motions
+    began = process_time()
+    search.simple.solve(float(limit))
+    seconds = process_time() - began
+    states, motions = search.validity.checks - before[0], search.motions - before[1]
+    solved = search.simple.haveExactSolutionPath()
+    return Found(seconds, states, motions, shortened(search) if solved and shorten else None)
+
+
+def shortened(search: Search) -> Floats:
+    """The solution by OMPL's simplifier: counted steps, the same for all ways."""
+    path, simplifier = search.simple.getSolutionPath(), og.PathSimplifier(search.si)
+    for _ in range(ROUNDS):
+        simplifier.ropeShortcutPath(path)
+        simplifier.reduceVertices(path)
+        simplifier.partialShortcutPath(path)
+    simplifier.reduceVertices(path)
+    return states_of(search, path)
+
+
+def states_of(search: Search, path: Any) -> Floats:
+    """A path's states, (m, size)."""
+    count = path.getStateCount()
+    return np.array([search.buffer.read(path.getState(k)) for k in range(count)])
+
+
+Judge = Callable[[Floats], bool]  # whether a path (m, size) has a state that collides
+
+
+class Moves(Protocol):
+    """What a judge has to know of a task."""
+
+    @property
+    def resolution(self) -> float:
+        """Of discrete checks, as `steps` takes it."""
+
+    @property
+    def samples(self) -> Floats:
+        """Some states, (k, size)."""
+
+    def steps(self, q0: Floats, q1: Floats, step: float) -> int:
+        """Steps of a motion between states (size,) that are no longer."""
+
+    def between(self, q0: Floats, q1: Floats, t: Floats) -> Floats:
+        """States (k, size) at fractions t (k,) of a motion."""
+
+
+def judge_of(task: Moves, bind: Bind) -> Judge:
+    """A library's look at a path, FINER times closer than the resolution."""
+    row = np.empty(task.samples.shape[1])
+    collides = bind(row)
+
+    def judge(path: Floats) -> bool:
+        for q0, q1 in pairwise(path):
+            n = task.steps(q0, q1, task.resolution / FINER)
+            if any(asked(collides, row, task.between(q0, q1, np.arange(n + 1) / n))):
+                return True
+        return False
+
+    return judge
