@@ -72,7 +72,9 @@ def _round(
     if isinstance(robot.drive, DifferentialDrive) and robot.nq == 3:
         places, reach = _places(robot, ends, most, rng, 2)
         pairs = neighbours(places, reach, NEAREST)
-        return Roadmap(robot, *expanded(world, name, ends, places, pairs, margin), dt)
+        chains = np.isfinite(robot.drive.acceleration)
+        made = expanded(world, name, ends, places, pairs, margin, bool(chains))
+        return Roadmap(robot, *made, dt)
     q = np.concatenate([ends, _samples(robot, ends, most, rng)])
     hit = np.asarray(world.collides(name, q, margin=margin), dtype=bool)
     hit[: len(ends)] = False

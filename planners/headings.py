@@ -14,6 +14,8 @@ from fgenv.collision import World
 from .moves import Floats, Ints
 
 SAME = 1e-6  # radians: headings nearer than this are one
+CHAIN = 4  # drives in a line that may be one move
+CHAIN = 4  # drives in a line that may be one move
 
 
 class Headings:
@@ -39,7 +41,13 @@ class Headings:
 
 
 def expanded(
-    world: World, name: str, ends: Floats, places: Floats, pairs: Ints, margin: float
+    world: World,
+    name: str,
+    ends: Floats,
+    places: Floats,
+    pairs: Ints,
+    margin: float,
+    chains: bool = False,
 ) -> tuple[Floats, Ints]:
     """Vertices (n, 3), the ends (k, 3) first, and proved moves (m, 2) between them.
 
@@ -48,6 +56,7 @@ def expanded(
         ends: starts and goals, all different.
         places: (p, 2); those of the ends are among them.
         pairs: (m, 2), places that it may drive between.
+        chains: drives in a line are also one move each, without a stop.
     """
     known = {tuple(place): i for i, place in enumerate(places.tolist())}
     vertices = Headings(ends)
@@ -61,10 +70,22 @@ def expanded(
             drives.append((vertices.at(a, (ax, ay, yaw)), vertices.at(b, (bx, by, yaw))))
     q = np.array(vertices.q)
     driven = _proved(world, name, q, np.array(drives, dtype=np.int64).reshape(-1, 2), margin)
-    moves = np.concatenate(
-        [driven, driven[:, ::-1], _turns(world, name, q, vertices, margin, driven)]
-    )
-    return q, moves
+    turns = _turns(world, name, q, vertices, margin, driven)
+    long = _chained(driven.tolist()) if chains else driven
+    return q, np.concatenate([long, long[:, ::-1], turns])
+
+
+def _chained(driven: list[list[int]]) -> Ints:
+    """Drives, and drives on along the same line: at one vertex heading and heading on are one."""
+    on: dict[int, list[int]] = {}
+    for a, b in driven:
+        on.setdefault(a, []).append(b)
+    found = {(a, b) for a, b in driven}
+    last = found
+    for _ in range(CHAIN - 1):
+        last = {(a, c) for a, b in last for c in on.get(b, ())} - found
+        found |= last
+    return np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
 
 
 def _turns(

@@ -70,6 +70,9 @@ class Tables:
 
     def __init__(self, problem: Problem, finer: int = 0) -> None:
         self.problem, self.finer = problem, finer
+        self.waiting: dict[
+            tuple[int, int], Timed
+        ] = {}  # robots left at their starts, so many steps
         self._timed: WeakKeyDictionary[Track, Timed] = WeakKeyDictionary()
 
     @cached_property

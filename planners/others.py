@@ -48,6 +48,11 @@ class Other:
         self.steps, self.first, self.last = steps[begin], begin, end
         self.still: Bools = (table.q0[self.steps] == table.q1[self.steps]).all(1)
         self.centre, self.radius = table.centre[self.steps], table.radius[self.steps]
+        self._middle = self.centre.mean(0)
+        self._at = self.centre - self._middle
+        self._squares = (self._at**2).sum(1)
+        rounding = 1e-6 * (1.0 + float(self.radius.max()))  # metres, of the squares
+        self._reach = self.radius + meetings.margin + rounding
         self._cells: dict[tuple[float, float], frozenset[int]] = {}
         self._waits: dict[int, Unsafe | None] = {}
         self._moves: dict[int, Doubts | None] = {}
@@ -113,6 +118,8 @@ class Other:
     def _near(self, mine: Ints) -> tuple[Ints, Ints]:
         """Places in `mine`, of steps, and entries, whose balls overlap: two arrays (n,)."""
         table = self.roadmap.steps
-        away = table.centre[mine][:, None] - self.centre
-        reach = table.radius[mine][:, None] + (self.radius + self.meetings.margin)
-        return np.nonzero(np.einsum("ijk,ijk->ij", away, away) <= reach * reach)
+        a, b = table.centre[mine] - self._middle, self._at
+        squares = (a * a).sum(1)[:, None] + self._squares
+        squares -= 2.0 * (a @ b.T)
+        reach = table.radius[mine][:, None] + self._reach
+        return np.nonzero(squares <= reach * reach)

@@ -90,6 +90,7 @@ def sipp(
     release: int = -1,
     most: int = INF,
     states: int = INF,
+    greed: float = 1.0,
 ) -> Track | None:
     """The soonest track from start, at instant 0, to the goal; None where there is none in time.
 
@@ -98,6 +99,7 @@ def sipp(
         release: it must not arrive, to stay, before the instant after this.
         most: tracks that arrive later than this are of no use.
         states: it gives up after so many.
+        greed: over 1: what is nearer to the goal first; the track may take so many times as long.
     """
     to_goal, goal_waits = roadmap.to(goal), safe.waits(goal)
     effort.searches += 1
@@ -110,7 +112,8 @@ def sipp(
     nodes: list[Node] = []
     best: dict[tuple[int, int], int] = {}
     # f, steps left, node that it comes from, move, where to, its interval (-1: any), begin, end
-    heap = [(max(to_goal[start], soonest), to_goal[start], -1, -1, start, first, 0, 0)]
+    left = to_goal[start]
+    heap = [(max(greed * left, soonest), left, -1, -1, start, first, 0, 0)]
     while heap:
         f, left, parent, e, v, i, begin, end = heappop(heap)
         length = roadmap.lengths[e] if e >= 0 else 0
@@ -120,7 +123,9 @@ def sipp(
                 a, b = max(begin, there[j][0] - length), min(end, there[j][1] - length)
                 if a > end:
                     break
-                heappush(heap, (max(a + length + left, soonest), left, parent, e, v, j, a, b))
+                heappush(
+                    heap, (max(a + length + greed * left, soonest), left, parent, e, v, j, a, b)
+                )
             continue
         mark = v, (i if v != goal or begin + length <= release else -1 - i)
         if best.get(mark, INF) <= begin + length:
@@ -128,7 +133,7 @@ def sipp(
         soon = safe.first(e, begin, end) if e >= 0 else 0
         if soon != begin:
             if soon > begin and soon + length + left <= most:
-                again = max(soon + length + left, soonest)
+                again = max(soon + length + greed * left, soonest)
                 heappush(heap, (again, left, parent, e, v, i, soon, end))
             continue
         t = begin + length
@@ -144,7 +149,10 @@ def sipp(
         for e, head, length in roadmap.out[v]:
             left = to_goal[head]
             if t + length + left <= most:
-                heappush(heap, (max(t + length + left, soonest), left, number, e, head, -1, t, high))
+                heappush(
+                    heap,
+                    (max(t + length + greed * left, soonest), left, number, e, head, -1, t, high),
+                )
     return None
 
 

@@ -1,0 +1,111 @@
+"""One robot after another, each among the tracks of those before; who finds no way rips others up.
+
+Who rips another's track up goes before him from then on, as in H. Ma et al., "Searching with
+consistent prioritization for multi-agent path finding", 2019, but without going back on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from .bans import Ban, Banned
+from .clashes import Clashes
+from .many import Tables
+from .moves import GONE
+from .others import Timed
+from .sipp import Effort, Track, sipp
+
+STATES = 3000  # of one robot's search
+RIPS = 4  # for each robot, in the mean
+
+
+class Priorities:
+    """Plans robots in an order.
+
+    Args:
+        given: timed paths that are kept.
+        bans: what robots must not do.
+        greed: of `sipp`.
+    """
+
+    def __init__(
+        self,
+        tables: Tables,
+        effort: Effort,
+        given: Mapping[int, Timed],
+        bans: Mapping[int, Sequence[Ban]],
+        greed: float = 1.0,
+    ) -> None:
+        self.tables, self.effort, self.given, self.bans = tables, effort, given, bans
+        self.clashes, self.greed = Clashes(tables), greed
+
+    def attempt(self, order: Sequence[int], hold: int) -> tuple[dict[int, Track], int | None]:
+        """Tracks by this order, and the robot at which it failed, if it did.
+
+        Robots still to come are left in peace at their starts for `hold` steps: they need time to
+        get out of the way.
+        """
+        line, tracks = list(order), dict[int, Track]()
+        before: dict[int, set[int]] = {i: set() for i in order}  # who goes before whom
+        rips = RIPS * len(line)
+        while line:
+            i = line.pop(0)
+            waiting = [self._waiting(j, hold) for j in line] if hold else []
+            track = self.track(i, tracks, waiting)
+            if track is None and rips > 0:
+                kept = {j: tracks[j] for j in _all_before(i, before) if j in tracks}
+                track = self.track(i, kept, waiting) or self.track(i, kept, [])
+                if track is not None:
+                    ripped = self._ripped(i, track, tracks)
+                    rips -= len(ripped)
+                    for j in ripped:
+                        before[j].add(i)
+                        del tracks[j]
+                    line = ripped + line
+            if track is None:
+                return tracks, i
+            tracks[i] = track
+        return tracks, None
+
+    def track(
+        self, i: int, others: Mapping[int, Track], waiting: Iterable[Timed] = ()
+    ) -> Track | None:
+        """Robot i's soonest track among others."""
+        tables = self.tables
+        seen = [*self.given.values(), *(tables.timed(j, t) for j, t in others.items()), *waiting]
+        safe = Banned(tables.traffic(i, seen), self.bans.get(i, ()))
+        return sipp(
+            tables.roadmap(i),
+            tables.starts[i],
+            tables.goals[i],
+            safe,
+            self.effort,
+            park=tables.park,
+            release=safe.release,
+            states=STATES,
+            greed=self.greed,
+        )
+
+    def _ripped(self, i: int, track: Track, tracks: Mapping[int, Track]) -> list[int]:
+        met = self.clashes.among(i, {**tracks, i: track})
+        return sorted({j for pair in met for j in pair if j != i})
+
+    def _waiting(self, j: int, steps: int) -> Timed:
+        key = j, steps
+        if key not in self.tables.waiting:
+            start = np.full(steps, self.tables.starts[j], dtype=np.int64)
+            self.tables.waiting[key] = Timed(self.tables.kinds[j], start, GONE)
+        return self.tables.waiting[key]
+
+
+def _all_before(i: int, before: Mapping[int, set[int]]) -> list[int]:
+    """Those that go before robot i, and before those."""
+    found: set[int] = set()
+    todo = [i]
+    while todo:
+        new = before.get(todo.pop(), set()) - found
+        found |= new
+        todo += new
+    return sorted(found)
