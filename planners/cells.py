@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,24 +21,36 @@ class Cells:
     """For a roadmap's vertices and moves, those of the others that may be near. Never misses one."""
 
     def __init__(self, roadmap: Roadmap, others: Sequence[Other]) -> None:
-        self._roadmap, self._others = roadmap, others
-        self._side = float(roadmap.steps.radius[: len(roadmap.q)].max())
-        self._at: list[int] = _numbers(roadmap.steps.centre[: len(roadmap.q)], self._side).tolist()
-        self._found: dict[tuple[int, float], list[Other]] = {}
+        self._others = others
+        self._side, self._vertices, self._moves = _places(roadmap)
+        self._found: dict[tuple[int, int], list[Other]] = {}
 
     def of_vertex(self, v: int) -> list[Other]:
         """Of one who waits at v."""
-        return self._those(self._at[v], self._side)
+        return self._those(self._vertices[v])
 
     def of_move(self, e: int) -> list[Other]:
         """Of one who makes move e."""
-        return self._those(self._at[self._roadmap.tails[e]], self._roadmap.reach)
+        return self._those(self._moves[e])
 
-    def _those(self, cell: int, reach: float) -> list[Other]:
-        key = cell, reach
-        if key not in self._found:
-            self._found[key] = [o for o in self._others if cell in o.cells(self._side, reach)]
-        return self._found[key]
+    def _those(self, at: tuple[int, int]) -> list[Other]:
+        if at not in self._found:
+            cell, reach = at
+            near = self._side * reach
+            self._found[at] = [o for o in self._others if cell in o.cells(self._side, near)]
+        return self._found[at]
+
+
+@lru_cache(maxsize=64)
+def _places(roadmap: Roadmap) -> tuple[float, list[tuple[int, int]], list[tuple[int, int]]]:
+    """Side of a cell (m), and of each vertex and move its cell and reach, in sides, rounded up."""
+    n = len(roadmap.q)
+    side = float(roadmap.steps.radius[:n].max())
+    still = _numbers(roadmap.steps.centre[:n], side).tolist()
+    centre, radius = roadmap.balls
+    reach = np.ceil(radius / side + 1e-6).astype(np.int64).tolist()
+    moves = zip(_numbers(centre, side).tolist(), reach, strict=True)
+    return side, [(cell, 1) for cell in still], list(moves)
 
 
 def covered(centre: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:

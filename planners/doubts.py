@@ -5,6 +5,8 @@ from __future__ import annotations
 from bisect import bisect_left
 from operator import itemgetter
 
+import numpy as np
+
 from .conflicts import Meetings
 from .moves import Ints
 
@@ -15,8 +17,9 @@ class Doubts:
     Args:
         kinds: of who moves, and of the other.
         blocked: ranges of instants at which it is not safe.
-        first, mine, theirs: (n,), rising in `first`: if it begins then, it makes step `mine` when
-            the other makes `theirs`. The world is asked about these as late as can be.
+        first, mine, theirs: (n,), rising in `first`, of equal ones the nearest first: if it begins
+            then, it makes step `mine` when the other makes `theirs`. The world is asked about
+            these as late as can be.
     """
 
     def __init__(
@@ -51,14 +54,25 @@ class Doubts:
         return -1
 
     def _ask(self, low: int, high: int) -> None:
-        """Find out about instants low to high - 1."""
+        """Find out about instants low to high - 1: of each its nearest pair of steps first."""
         a, b = bisect_left(self._starts, low), bisect_left(self._starts, high)
         for t in range(low, high):
             self._known.setdefault(t, True)
-        if a < b:
-            (kind, other), mine, theirs = self._kinds, self._mine[a:b], self._theirs[a:b]
-            met = self._meetings.meet_near(kind, mine, other, theirs)
-            self._known.update(dict.fromkeys(self._first[a:b][met].tolist(), False))
+        if a == b:
+            return
+        first = self._first[a:b]
+        leads = np.diff(first, prepend=-1) != 0
+        hit = self._meet(a + np.flatnonzero(leads))
+        rest = np.flatnonzero(~leads & ~np.isin(first, hit))
+        if len(rest):
+            self._meet(a + rest)
+
+    def _meet(self, at: Ints) -> Ints:
+        """The instants of those pairs at `at` that meet; they are known then."""
+        (kind, other), mine, theirs = self._kinds, self._mine[at], self._theirs[at]
+        hit = self._first[at[self._meetings.meet_near(kind, mine, other, theirs)]]
+        self._known.update(dict.fromkeys(hit.tolist(), False))
+        return hit
 
 
 def merged(ranges: list[tuple[int, int]]) -> list[tuple[int, int]]:

@@ -68,7 +68,7 @@ class Other:
     def waits(self, v: int) -> Unsafe | None:
         """When waiting at vertex v is not safe; None: it always is."""
         if v not in self._waits:
-            _, b = self._near(np.array([v]))
+            b = self._near(np.array([v]))[1]
             met = b[self.meetings.meet_near(self.kind, np.full(len(b), v), *self._theirs(b))]
             stood, passed = met[self.still[met]], met[~self.still[met]]
             ranges = list(zip(self.first[stood].tolist(), self.last[stood].tolist(), strict=True))
@@ -91,7 +91,7 @@ class Other:
         return self.first[at[hit]].tolist()
 
     def _doubts(self, mine: Ints) -> Doubts | None:
-        a, b = self._near(mine)
+        a, b, squares = self._near(mine)
         if not len(a):
             return None
         first, still = self.first[b] - a, self.still[b]
@@ -106,7 +106,7 @@ class Other:
             ranges = zip(first[met].tolist(), last[met].tolist(), strict=True)
             blocked = [r for r in ranges if r[1] >= 0]
         moving = np.flatnonzero(~still)
-        moving = moving[np.argsort(first[moving], kind="stable")]
+        moving = moving[np.lexsort((squares[moving], first[moving]))]
         if not blocked and not len(moving):
             return None
         rows = first[moving], pairs[0][moving], pairs[2][moving]
@@ -115,11 +115,13 @@ class Other:
     def _theirs(self, entries: Ints) -> tuple[int, Ints]:
         return self.timed.kind, self.steps[entries]
 
-    def _near(self, mine: Ints) -> tuple[Ints, Ints]:
-        """Places in `mine`, of steps, and entries, whose balls overlap: two arrays (n,)."""
+    def _near(self, mine: Ints) -> tuple[Ints, Ints, Floats]:
+        """Places in `mine`, of steps, and entries, whose balls overlap, and their middles' squared
+        distances (m^2): arrays (n,)."""
         table = self.roadmap.steps
         a, b = table.centre[mine] - self._middle, self._at
         squares = (a * a).sum(1)[:, None] + self._squares
         squares -= 2.0 * (a @ b.T)
         reach = table.radius[mine][:, None] + self._reach
-        return np.nonzero(squares <= reach * reach)
+        one, two = np.nonzero(squares <= reach * reach)
+        return one, two, squares[one, two]

@@ -55,15 +55,20 @@ class Roadmap:
         return len(self.pace.fractions(self.q[self.tails[e]], self.q[self.heads[e]])) - 1
 
     @cached_property
-    def reach(self) -> float:
-        """Metres from a vertex's ball's centre that no point of a robot that leaves it exceeds."""
-        if not len(self.tails):
-            return float(self.steps.radius.max())
-        if self._ways is None:
-            far = self.robot.distance(self.q[self.tails], self.q[self.heads])
-        else:
+    def balls(self) -> tuple[Floats, Floats]:
+        """Balls that hold all of each move: centres (m, 3) and radii (m,), metres.
+
+        A point that goes D metres is never farther than D / 2 in the mean from where it begins and
+        where it ends.
+        """
+        a, b, n = self.tails, self.heads, len(self.q)
+        far = np.zeros(len(a))
+        if self._ways is not None:
             far = np.array([self.robot.distance(w[:-1], w[1:]).sum() for w in self._ways])
-        return float((self.steps.radius[self.tails] + far).max())
+        elif len(a):
+            far = np.asarray(self.robot.distance(self.q[a], self.q[b]))
+        centre, radius = self.steps.centre[:n], self.steps.radius[:n]
+        return 0.5 * (centre[a] + centre[b]), 0.5 * (radius[a] + radius[b] + far)
 
     def _out(self) -> list[list[tuple[int, int, int]]]:
         """Of each vertex the moves that leave it: number, where to, how many steps."""
