@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from .timing import steps_together
 
 Floats = NDArray[np.float64]
 
+STRAIGHT = 1e-6  # m or rad, of two steps that are alike
 EXTRA = (0.0, 0.005, 0.02)  # metres of margin while planning, where the timed path is not proved
 
 
@@ -94,6 +95,7 @@ def plan(
 
 
 Found = tuple[Sequence[Floats], Sequence[Floats], dict[str, Any]]  # steps, way points, facts
+SHARE = 0.6  # of the time, for robots one by one before some are taken together
 
 
 def by_composite(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
@@ -104,6 +106,71 @@ def by_composite(problem: Problem, time_limit: float, options: dict[str, Any]) -
     return steps_together(problem.models, route.paths, problem.dt), route.paths, dict(route.facts)
 
 
+def by_prioritized(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
+    """One robot after another; those that find no way are planned together, and before the rest.
+
+    Who finds none then joins them, until all go together.
+    """
+    from .many import Tables
+    from .prioritized import prioritized
+
+    end = time.monotonic() + time_limit
+    together: set[int] = set()
+    fixed: dict[int, Floats] = {}
+    tables = Tables(problem)
+    while True:
+        left = max(end - time.monotonic(), 0.01)
+        try:
+            found = prioritized(problem, SHARE * left, fixed=fixed, tables=tables)
+            break
+        except PlanningError as error:
+            missing = () if error.best is None else error.best.missing
+            if not missing or time.monotonic() > end:
+                raise
+            together |= set(missing)
+        left = max(end - time.monotonic(), 0.01)
+        fixed = dict(zip(sorted(together), _joint(problem, together, left, options), strict=True))
+    facts = {**asdict(found.stats), "together": [problem.names[i] for i in sorted(together)]}
+    return *_timetable(found.paths), facts
+
+
+def by_conflicts(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
+    """Conflict-based search; robots that stay in each other's way are planned together."""
+    from .conflict_based import conflict_based
+
+    def knot(group: tuple[int, ...], limit: float) -> Sequence[Floats]:
+        return _joint(problem, group, limit, options)
+
+    found = conflict_based(problem, time_limit, knot=knot)
+    return *_timetable(found.paths), asdict(found.stats)
+
+
+def _joint(
+    problem: Problem, group: Iterable[int], time_limit: float, options: dict[str, Any]
+) -> list[Floats]:
+    """Timed paths of some robots in their joint space, as if there were no others."""
+    from .solve import composite
+
+    which = sorted(group)
+    world = problem.alone(*which)
+    route = composite(problem, which, time_limit=time_limit, world=world, **options)
+    return steps_together([problem.models[i] for i in which], route.paths, problem.dt)
+
+
+def _timetable(paths: Sequence[Floats | None]) -> tuple[list[Floats], list[Floats]]:
+    steps = [path for path in paths if path is not None]
+    return steps, [corners(path) for path in steps]
+
+
+def corners(q: Floats) -> Floats:
+    """Of configurations at steps (k + 1, nq) those at which the motion changes, ends included."""
+    change = np.diff(q, axis=0)
+    turns = (np.abs(np.diff(change, axis=0)) > STRAIGHT).any(axis=1)
+    return q[np.concatenate([[True], turns, [True]])] if len(q) > 1 else q
+
+
 METHODS: dict[str, Callable[[Problem, float, dict[str, Any]], Found]] = {
     "composite": by_composite,
+    "prioritized": by_prioritized,
+    "conflict_based": by_conflicts,
 }

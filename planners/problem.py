@@ -116,10 +116,11 @@ class Problem:
             known.setdefault((s.model, s.mount.pose.tobytes(), s.groups), len(known)) for s in specs
         )
 
-    def alone(self, i: int) -> World:
-        """A world of the bodies that stand and robot i."""
+    def alone(self, *which: int) -> World:
+        """A world of the bodies that stand and these robots."""
         world = self.built.world(robots=False)
-        self.built.add_robot(world, i, self.starts[i])
+        for i in which:
+            self.built.add_robot(world, i, self.starts[i])
         return world
 
     def index(self, robot: int | str) -> int:
