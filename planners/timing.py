@@ -62,7 +62,8 @@ def steps_together(robots: Sequence[Robot], paths: Sequence[Floats], dt: float) 
         ]
         duration = seconds(amounts)
         durations.append(duration)
-        rates.append(min((a.acceleration / a.change for a in amounts), default=math.inf) * duration)
+        hardest = min((a.acceleration / a.change for a in amounts), default=math.inf)
+        rates.append(hardest * duration if duration > 0 else math.inf)
         if k and not all(
             _goes_on(robot, path[k - 1 : k + 2], cars)
             for robot, path in zip(robots, paths, strict=True)
@@ -166,7 +167,7 @@ def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount
         room = _arc(drive.turn_rate * dt) if turn > LEAST else 1.0
         climb = drive.speed if drive.climb is None else drive.climb
         return [
-            Amount(flat, room * drive.speed, drive.acceleration),
+            _turning(flat, turn, room * drive.speed, drive.acceleration),
             Amount(abs(float(change[2])), climb, drive.acceleration),
             Amount(turn, drive.turn_rate, drive.turn_acceleration),
         ]
@@ -174,7 +175,7 @@ def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount
     if isinstance(drive, Holonomic):
         room = _arc(drive.turn_rate * dt) if turn > LEAST else 1.0
         return [
-            Amount(flat, room * drive.speed, drive.acceleration),
+            _turning(flat, turn, room * drive.speed, drive.acceleration),
             Amount(turn, drive.turn_rate, drive.turn_acceleration),
         ]
     if isinstance(drive, (DifferentialDrive, Car)):
@@ -188,6 +189,14 @@ def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount
             Amount(turn, drive.turn_rate, drive.turn_acceleration),
         ]
     return []
+
+
+def _turning(flat: float, turn: float, speed: float, acceleration: float) -> Amount:
+    """A way in the plane, while turning: seen from the body a steady velocity turns, which is an
+    acceleration too. Half of the limit is for that."""
+    if turn <= LEAST or flat <= LEAST or math.isinf(acceleration):
+        return Amount(flat, speed, acceleration)
+    return Amount(flat, min(speed, math.sqrt(flat * acceleration / (2 * turn))), acceleration / 2)
 
 
 def _arc(turn: float) -> float:
