@@ -1,5 +1,6 @@
 """What moves the bodies of a scene: policies, path following, planning anew."""
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 from fgenv.agents.drive import Drive, drive
@@ -16,7 +17,12 @@ from fgenv.agents.rest import Rest
 from fgenv.envs import Policy
 
 if TYPE_CHECKING:
+    from fgenv.agents.planned import Planned, PlanWarning
+    from fgenv.agents.replanning import Replanning
     from fgenv.agents.sb3 import FleetVecEnv
+
+# By module; imported when first asked for: they bring OMPL along.
+LATER = {"planned": ("PlanWarning", "Planned"), "replanning": ("Replanning",)}
 
 __all__ = [
     "POLICIES",
@@ -30,9 +36,12 @@ __all__ = [
     "MasksCleared",
     "MasksSet",
     "PathFollower",
+    "PlanWarning",
+    "Planned",
     "Policy",
     "RandomPolicy",
     "Replanned",
+    "Replanning",
     "Rest",
     "drive",
     "drive_and_replan",
@@ -44,7 +53,10 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`FleetVecEnv`, imported when first asked for: it brings Stable-Baselines3 along."""
+    """What is imported when first asked for; `FleetVecEnv` brings Stable-Baselines3 along."""
+    for module, names in LATER.items():
+        if name in names:
+            return getattr(importlib.import_module(f"fgenv.agents.{module}"), name)
     if name != "FleetVecEnv":
         raise AttributeError(f"module 'fgenv.agents' has no attribute {name!r}")
     try:

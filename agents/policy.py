@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from fgenv.agents.goto import GoTo
 from fgenv.agents.random_policy import RandomPolicy
@@ -10,25 +11,75 @@ from fgenv.agents.rest import Rest
 from fgenv.envs import Policy
 from fgenv.scenarios.trouble import near
 
+if TYPE_CHECKING:
+    from fgenv.agents.planned import Planned
+
+
+def _planned(seed: int, rest: str = "") -> Planned:
+    from fgenv.agents.planned import Planned
+
+    if rest.endswith(".npz"):
+        return Planned(plan=rest)
+    return Planned(*_method(rest), seed=seed)
+
+
+def _replanning(seed: int, rest: str = "") -> Planned:
+    from fgenv.agents.replanning import Replanning
+
+    return Replanning(*_method(rest), seed=seed)
+
+
 POLICIES: dict[str, Callable[[int], Policy]] = {
     "goto": lambda seed: GoTo(),
     "random": RandomPolicy,
     "rest": lambda seed: Rest(),
+    "plan": _planned,
+    "replan": _replanning,
 }
+PLANNING: dict[str, Callable[[int, str], Policy]] = {"plan": _planned, "replan": _replanning}
+FORMS = "goto, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]]"
 
 
 def policy_of(name: str, seed: int = 0) -> Policy:
     """A built-in policy.
 
     Args:
-        name: of `POLICIES`.
+        name: of `POLICIES`. `plan` and `replan` may say how to plan: `plan:prioritized`,
+            `plan:composite:PRM`; or which plan file to drive: `plan:FILE.npz`.
         seed: of what is random in it, 0 or more.
 
     Raises:
-        ValueError: no policy has that name, or the seed is below 0.
+        ValueError: no policy, method or planner has that name, or the seed is below 0.
+        PlanError, FileNotFoundError: no such plan.
     """
-    if name not in POLICIES:
-        raise ValueError(f"policy: {name!r} is not known; {near(name, POLICIES)}")
+    kind, _, rest = name.partition(":")
+    if kind not in POLICIES:
+        raise ValueError(f"policy: {name!r} is not known; {near(kind, POLICIES)}")
+    if rest and kind not in PLANNING:
+        raise ValueError(f"policy: {name!r}, {kind!r} takes nothing after it; wanted {kind!r}")
     if seed < 0:
         raise ValueError(f"seed: {seed}, wanted 0 or more")
-    return POLICIES[name](seed)
+    return PLANNING[kind](seed, rest) if rest else POLICIES[kind](seed)
+
+
+def names(methods: bool = True) -> list[str]:
+    """Names of policies; with those of the planning ones by method."""
+    found = list(POLICIES)
+    if methods:
+        from fgenv.planners.methods import METHODS
+
+        found += [f"{kind}:{method}" for kind in PLANNING for method in METHODS]
+    return found
+
+
+def _method(rest: str) -> tuple[str | None, str]:
+    """Method and planner of METHOD[:PLANNER], either may be empty."""
+    from fgenv.planners import PLANNERS
+    from fgenv.planners.methods import METHODS
+
+    method, _, planner = rest.partition(":")
+    if method and method not in METHODS:
+        raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
+    if planner and planner not in PLANNERS:
+        raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
+    return method or None, planner or "RRTConnect"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fgenv.cli.movie import MOST_FPS, draw, progress
+from fgenv.cli.plan import fail
 from fgenv.cli.scenarios import is_file
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         simulator = simulator_of(context, wanted)
+    strictly(policy)
     began = time.perf_counter()
     record, interrupted = episode(simulator, policy, wanted, console)
     seconds = time.perf_counter() - began
@@ -60,19 +62,36 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
         record.save(wanted.record)
         written.append(str(wanted.record))
     results = Results.of(record)
+    followed = following(policy)
     notes = list(dict.fromkeys(str(warning.message) for warning in caught))
     if not as_json:
         tell(console, record, results, seconds, notes)
+        if followed:
+            error, waited = followed["tracking_error"], followed["waited"]
+            console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s for who was late")
     if wanted.movie is not None and not interrupted:
         draw(record, wanted.movie, wanted.fps, console)
         written.append(str(wanted.movie))
     if as_json:
-        typer.echo(json.dumps(facts(record, results, seconds, notes, written), indent=1))
+        said = {**facts(record, results, seconds, notes, written), **followed}
+        typer.echo(json.dumps(said, indent=1))
     else:
         for path in written:
             typer.echo(f"written: {path}, {Path(path).stat().st_size:,} bytes")
     if interrupted:
         raise KeyboardInterrupt
+
+
+def strictly(policy: Any) -> None:
+    """A planning policy that finds no plan is to say so, rather than to rest."""
+    if hasattr(policy, "strict"):
+        policy.strict = True
+
+
+def following(policy: Any) -> dict[str, Any]:
+    """How a planning policy's plan was followed: metres, seconds; nothing of others."""
+    names = ("tracking_error", "waited", "replans")
+    return {name: getattr(policy, name) for name in names if hasattr(policy, name)}
 
 
 def targets(wanted: Wanted) -> None:
@@ -88,6 +107,13 @@ def targets(wanted: Wanted) -> None:
     for path in (wanted.record, wanted.movie):
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+
+
+def is_planning_error(error: RuntimeError) -> bool:
+    """Whether there is no plan."""
+    from fgenv.planners import PlanningError
+
+    return isinstance(error, PlanningError)
 
 
 def simulator_of(context: typer.Context, wanted: Wanted) -> Simulator:
@@ -128,6 +154,10 @@ def episode(
                 progress=lambda done: bar.update(task, completed=done),
             )
             return record, False
+        except RuntimeError as error:
+            if not is_planning_error(error):
+                raise
+            fail(error)
         except KeyboardInterrupt:
             if not recorder.begun:
                 raise

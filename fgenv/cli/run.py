@@ -25,9 +25,9 @@ def names(incomplete: str) -> list[str]:
 
 def policies(incomplete: str) -> list[str]:
     """Policies, for tab completion."""
-    from fgenv.agents import POLICIES
+    from fgenv.agents.policy import names
 
-    return [name for name in POLICIES if name.startswith(incomplete)]
+    return [name for name in names() if name.startswith(incomplete)]
 
 
 def run(
@@ -43,7 +43,8 @@ def run(
         str | None,
         typer.Option(
             "--policy",
-            help="What acts: goto, random or rest.",
+            help="What acts: goto, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz or"
+            " replan[:METHOD[:PLANNER]].",
             show_default="goto; of three_tanks the published experiment",
             autocompletion=policies,
         ),
@@ -135,6 +136,10 @@ def run(
 ) -> None:
     """Run an episode of a scenario and say how each robot did.
 
+    plan plans all robots (see fgenv plan) and drives the plan; replan plans
+    anew where robots or bodies are not where the plan had them. How far robots
+    were from their plan at most is told.
+
     A robot succeeds if it comes to its goal and meets nothing. --record keeps
     the run to be looked at and run again, bit for bit; --movie shows it.
     Interrupted by Ctrl-C, what there is by then is told and recorded.
@@ -144,7 +149,7 @@ def run(
     collision with tank 2 is found by its feature graph and announced as it
     happens; the masks return to 0. Then OMPL's RRTConnect plans a path around
     it, which is driven to the goal. Exit code 0 if all came out as published,
-    1 if not; of an episode 0, however it ended.
+    1 if not; of an episode 0, however it ended, 1 where there is no plan.
     """
     if scenario == PUBLISHED and policy is None:
         refuse(context, OF_AN_EPISODE, "wanted with --policy, such as --policy goto")
