@@ -92,8 +92,7 @@ class Plan:
     @property
     def times(self) -> Floats:
         """Seconds of each step's end, (k + 1,)."""
-        times: Floats = np.arange(self.steps + 1) * self.dt
-        return times
+        return np.arange(self.steps + 1, dtype=np.float64) * np.float64(self.dt)
 
     @cached_property
     def arrivals(self) -> tuple[float, ...]:

@@ -35,7 +35,8 @@ class Route:
     Attributes:
         which: places of the robots in the problem.
         paths: (m, nq) each; straight from one to the next.
-        facts: seconds, states, motions checked, the planner's data.
+        facts: `seconds` in all, `found_after` so many; `search`, CPU seconds in OMPL; states and
+            motions checked; way points found before shortening; size of the planner's graph.
     """
 
     which: tuple[int, ...]
@@ -83,7 +84,9 @@ def composite(
     try:
         ou.RNG.setSeed(problem.seed % (2**31 - 2) + 1)  # OMPL ignores a seed of 0
         made = setup(problem, which, steering=steering, world=world)
+        search = time.process_time()
         states = _search(made, planner, objective, time_limit, motions)
+        search = time.process_time() - search
         found_after = time.perf_counter() - began
         if states is None:
             names = ", ".join(problem.names[i] for i in which)
@@ -100,6 +103,7 @@ def composite(
         "planner": planner,
         "seconds": time.perf_counter() - began,
         "found_after": found_after,
+        "search": search,
         "states_checked": made.validity.checks,
         "motions_checked": made.motions.checks,
         "way_points_found": raw,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli import bench_env, bench_planners, bench_world
+from fgenv.cli import bench_env, bench_fleets, bench_planners, bench_world
 from fgenv.cli.options import Json, Seed
 
 app = typer.Typer(
@@ -21,6 +21,7 @@ app = typer.Typer(
 app.command()(bench_world.world)
 app.command()(bench_env.env)
 app.command()(bench_planners.planners)
+app.command()(bench_fleets.fleets)
 
 
 @app.command("pairs")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -15,22 +16,54 @@ from .registry import Seed, Size, builtin
 ARM = "package://fgenv/scenarios/library/arm.urdf"
 GAP = 0.002  # metres of a base plate that is not modelled: arms may stand on the table, not hit it
 TURNED = (0.4, 1.3)  # of the first joint, rad: to the right at the start, to the left at the goal
-BENT = ((0.2, 1.1), (0.6, 1.7), (-1.5, 1.5), (0.2, 1.4), (-3.0, 3.0))  # the other joints
+PANDA = "package://fgenv/scenarios/library/mbm/panda"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Of arms: its model, how the joints after the first are bent (rad), metres between two."""
+
+    model: dict[str, Any]
+    bent: tuple[tuple[float, float], ...]
+    across: float
+
+
+KINDS = {
+    "light": Kind(
+        {"urdf": ARM, "drive": {"kind": "joint_velocity"}},
+        ((0.2, 1.1), (0.6, 1.7), (-1.5, 1.5), (0.2, 1.4), (-3.0, 3.0)),
+        1.0,
+    ),
+    "panda": Kind(
+        {
+            "urdf": f"{PANDA}.urdf",
+            "srdf": f"{PANDA}.srdf",
+            "drive": {"kind": "joint_velocity", "acceleration": 7.5},
+        },
+        ((0.1, 0.7), (-0.3, 0.3), (-2.3, -1.5), (-0.4, 0.4), (1.7, 2.5), (0.4, 1.2)),
+        1.1,
+    ),
+}
 
 
 @builtin(dimension=3, most=12)
 def cell(
-    n: Annotated[int, Field(ge=1, le=12, strict=True)] = 2, seed: Seed = 0, size: Size = None
+    n: Annotated[int, Field(ge=1, le=12, strict=True)] = 2,
+    seed: Seed = 0,
+    size: Size = None,
+    arm: Literal["light", "panda"] = "light",
 ) -> Scenario:
-    """Arms of six joints around one table reach across each other: URDF, needs the extra urdf.
+    """Arms around one table reach across each other: URDF, needs the extra urdf.
 
     Args:
         n: arms, up to 12.
         seed: of starts and goals.
         size: diameter of the circle of bases, metres; grows with n if left out. An arm reaches
             0.85 m.
+        arm: `light`, of six joints, or `panda`, of seven with the meshes of mbm.
     """
-    across = size or micro(max(1.0, 0.42 * n))
+    kind = KINDS[arm]
+    across = size or micro(max(kind.across, 0.42 * n))
     top = micro(across + 0.4)
     mounts = [_mount(2 * math.pi * i / n, across / 2) for i in range(n)]
     scenario = bare(
@@ -42,11 +75,13 @@ def cell(
             "table": {"kind": "box", "size": (top, top, 0.06)},
             "crate": block(0.2, 0.16, 0.12),
         },
-        models={"arm": {"urdf": ARM, "drive": {"kind": "joint_velocity"}}},
+        models={"arm": kind.model},
         robots=[
             spec.model_copy(update={"mount": mount})
             for spec, mount in zip(
-                team(n, "arm", 6, goal_tolerance={"angle": 0.05}), mounts, strict=True
+                team(n, "arm", 1 + len(kind.bent), goal_tolerance={"angle": 0.05}),
+                mounts,
+                strict=True,
             )
         ],
         bodies=[
@@ -60,7 +95,7 @@ def cell(
 
     def reach(side: int) -> Q:
         first = side * dice.between(*TURNED)
-        return (first, *(dice.between(*ends) for ends in BENT))
+        return (first, *(dice.between(*ends) for ends in kind.bent))
 
     starts = scatter(scenario, lambda _: reach(-1))
     return sent(scenario, starts, scatter(scenario, lambda _: reach(1)))

@@ -1,0 +1,1 @@
+"""``fgenv bench fleets``: plans for many robots over frozen sets, method by method."""
