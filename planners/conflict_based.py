@@ -20,6 +20,7 @@ from .errors import PlanningError
 from .many import Tables, Timetable
 from .moves import Floats
 from .others import Timed
+from .priorities import HOLDS, Priorities
 from .sipp import Effort, Track, sipp
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
 
 Knot = Callable[[tuple[int, ...], float], Sequence[Floats]]
 KNOT = 20  # so often do two robots meet in the search before they are solved jointly
-STATES = 1000  # of a search for a track that meets nobody
+EVERY = 8  # nodes: so often robots are also tried one after another
+STATES = 500  # of a search for a track that meets nobody
 SHARE = 0.3  # of the time that is left, for a knot
 
 
@@ -59,7 +61,7 @@ def conflict_based(
     problem: Problem,
     time_limit: float = 10.0,
     *,
-    suboptimality: float = 1.5,
+    suboptimality: float = 2.0,
     knot: Knot | None = None,
     tables: Tables | None = None,
 ) -> Timetable:
@@ -70,7 +72,8 @@ def conflict_based(
     Args:
         time_limit: seconds.
         suboptimality: how many times the best cost on the roadmaps the sum of arrivals may be; 1:
-            optimal. Where a knot was solved jointly, that holds for the others alone.
+            optimal. Where a knot was solved jointly, that holds for the others alone. If time runs
+            out, the best that there is may cost more.
         knot: joint timed paths (k + 1, nq) of some robots, given a time limit, for those that meet
             again and again; the others then go around them. It may raise PlanningError.
         tables: of this problem, of an earlier search.
@@ -125,7 +128,9 @@ class _Tied:
         if left <= 0:
             return False
         try:
-            paths = self.knot(group, left * (1.0 if len(group) == len(self.tables.kinds) else SHARE))
+            paths = self.knot(
+                group, left * (1.0 if len(group) == len(self.tables.kinds) else SHARE)
+            )
         except PlanningError:
             return False
         self.paths.update(zip(group, paths, strict=True))
@@ -170,9 +175,7 @@ class Search:
         self.knotted: tuple[int, ...] | None = None  # those that should be solved jointly
         self.nodes = 0
         self._times: dict[tuple[int, int], int] = {}
-        self._safe = {
-            i: tables.traffic(i, self.given.values()) for i in self.robots
-        }
+        self._safe = {i: tables.traffic(i, self.given.values()) for i in self.robots}
 
     def run(self) -> Node | None:
         """The solution; else, of the nodes looked at, that with the fewest clashes."""
@@ -181,7 +184,11 @@ class Search:
             return None
         open_nodes, best = [root], root
         while open_nodes and not self.effort.late():
-            node = self._popped(open_nodes)
+            bound = self.weight * min(node.bound for node in open_nodes)
+            best = min(best, self._tried(open_nodes[-1]), key=lambda n: (len(n.clashes), n.cost))
+            if not best.clashes and best.cost <= bound + 1e-9:
+                return best
+            node = self._popped(open_nodes, bound)
             if len(node.clashes) < len(best.clashes):
                 best = node
             if not node.clashes or self._is_knot(node):
@@ -189,6 +196,19 @@ class Search:
             self.nodes += 1
             open_nodes += self._children(node)
         return best
+
+    def _tried(self, node: Node) -> Node:
+        """The node, or one with the same bans that robots one after another gave."""
+        if not node.clashes or self.weight == 1.0 or self.nodes % EVERY:
+            return node
+        search = Priorities(self.tables, self.effort, self.given, node.bans)
+        order = search.order()
+        for hold in HOLDS if self.nodes == 0 else HOLDS[:1]:
+            tracks, failed = search.attempt(order, round(hold / self.tables.problem.dt))
+            if failed is None:
+                return replace(node, tracks=tracks, clashes={})
+            order = [failed, *(i for i in order if i != failed)]
+        return node
 
     def root(self) -> Node | None:
         """Each robot's best track, or one near it that meets nobody before it."""
@@ -213,9 +233,8 @@ class Search:
         if self.limit and self.given:
             self.knotted = (i, *self.given)
 
-    def _popped(self, nodes: list[Node]) -> Node:
-        """The node with the fewest clashes of those that keep the bound."""
-        most = self.weight * min(node.bound for node in nodes)
+    def _popped(self, nodes: list[Node], most: float) -> Node:
+        """The node with the fewest clashes of those that cost no more."""
         good = [k for k, node in enumerate(nodes) if node.cost <= most + 1e-9]
         return nodes.pop(min(good, key=lambda k: (len(nodes[k].clashes), nodes[k].cost, -k)))
 

@@ -17,6 +17,7 @@ from .moves import GONE
 from .others import Timed
 from .sipp import Effort, Track, sipp
 
+HOLDS = (1.0, 2.0, 0.0, 4.0)  # seconds that who is not planned yet is left at his start: by order
 STATES = 3000  # of one robot's search
 RIPS = 4  # for each robot, in the mean
 
@@ -68,6 +69,23 @@ class Priorities:
                 return tracks, i
             tracks[i] = track
         return tracks, None
+
+    def order(self) -> list[int]:
+        """First those whose goals are in nobody's way, and whose starts are in many's; then those
+        with long ways."""
+        tables = self.tables
+        robots = [i for i in range(len(tables.kinds)) if i not in self.given]
+        free = {i: t for i in robots if (t := self.track(i, {})) is not None}
+        in_way = {i: self._in_way(tables.goals[i], i, free) for i in robots if tables.park}
+        out_of = {i: self._in_way(tables.starts[i], i, free) for i in robots}
+        score = {i: in_way.get(i, 0) - out_of[i] for i in robots}
+        return sorted(robots, key=lambda i: (score[i], -tables.least(i), i))
+
+    def _in_way(self, v: int, i: int, tracks: Mapping[int, Track]) -> int:
+        """How many of the tracks robot i meets if it stays at vertex v."""
+        kinds, meet = self.tables.kinds, self.tables.meetings.meet
+        others = [(kinds[j], t.steps) for j, t in tracks.items() if j != i]
+        return sum(bool(meet(kinds[i], np.full(len(s), v), k, s).any()) for k, s in others)
 
     def track(
         self, i: int, others: Mapping[int, Track], waiting: Iterable[Timed] = ()

@@ -16,19 +16,13 @@ import numpy as np
 from .errors import PlanningError
 from .many import Tables, Timetable
 from .moves import Floats
-from .priorities import Priorities
+from .priorities import HOLDS, Priorities
 from .sipp import Effort, Track
 
 if TYPE_CHECKING:
     from .problem import Problem
 
-GREED = 1.3  # of single robots' searches
-HOLDS = (
-    0.0,
-    1.0,
-    2.0,
-    4.0,
-)  # seconds that robots which are not yet planned are left at their starts
+GREED = 1.5  # of single robots' searches
 
 
 def prioritized(
@@ -46,7 +40,7 @@ def prioritized(
 
     Args:
         time_limit: seconds.
-        order: robots, first to last; those with the longest ways first if left out.
+        order: robots, first to last; if left out, those in nobody's way at their goals first.
         restarts: orders to try beside the first; as many as there is time for if left out.
         fixed: timed paths (k + 1, nq) of robots that keep them; they are met as they move.
         tables: of this problem, of an earlier search.
@@ -73,8 +67,7 @@ def _tried(
 ) -> tuple[dict[int, Track], int]:
     """The best that any order gave, and how many were tried beside the first."""
     rng = np.random.default_rng(tables.problem.seed)
-    robots = [i for i in range(len(tables.kinds)) if i not in search.given]
-    line = sorted(robots, key=lambda i: -tables.least(i)) if order is None else list(order)
+    line = search.order() if order is None else list(order)
     best: dict[int, Track] = {}
     seen, tried = set(), 0
     while True:
