@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fgenv.bench.planners import arm_run, edges, rigid_run
+from fgenv.bench.planners import arm_run, edges, replay, rigid_run
+from fgenv.bench.planners.coal_ import coal_bodies
+from fgenv.bench.planners.fcl_ import fcl_bodies
 from fgenv.bench.planners.goals import goals
 from fgenv.bench.planners.report import tables_of
-from fgenv.bench.planners.rigid import asked, coal_bodies, fcl_bodies
+from fgenv.bench.planners.rigid import asked
 from fgenv.bench.planners.run import Wanted, bench_planners, silent
 from fgenv.bench.planners.search import judge_of, run, seeded
 from fgenv.bench.planners.task import Task
@@ -106,8 +108,8 @@ def test_the_floor_is_the_same_search(task: Task) -> None:
 
 
 def test_a_problem_has_every_row(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(edges, "EDGES", 60)
-    monkeypatch.setattr(edges, "ROUNDS", 1)
+    monkeypatch.setattr(replay, "EDGES", 60)
+    monkeypatch.setattr(replay, "ROUNDS", 1)
     wanted = Wanted(("cubicles",), (2,), LIMIT, mbm=0)
     heard: list[str] = []
     done: dict[str, list[dict[str, Any]]] = {}
@@ -194,8 +196,8 @@ def test_what_is_not_installed_is_told_with_the_remedy(monkeypatch: pytest.Monke
 
 
 def test_the_command_gives_one_document(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(edges, "EDGES", 40)
-    monkeypatch.setattr(edges, "ROUNDS", 1)
+    monkeypatch.setattr(replay, "EDGES", 40)
+    monkeypatch.setattr(replay, "ROUNDS", 1)
     line = ["bench", "planners", "--quick", "--json", "--seed", "2"]
     done = CliRunner().invoke(app, line)
     assert done.exit_code == 0

@@ -16,7 +16,8 @@ import numpy as np
 from fgenv.planners.problem import Problem
 from fgenv.scenarios.build import urdf_path
 
-from .rigid import Bind, Collides, coal_model, faster
+from .coal_ import coal_model
+from .rigid import Bind, Collides, faster
 from .task import Floats, merged, moved
 
 ARM = "pinocchio + coal"

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .edges import floor, recorded, replay
-from .rigid import fcl_bodies
+from .edges import floor, recorded
+from .fcl_ import fcl_bodies
+from .replay import replay
 from .search import Found, judge_of, run, seeded
 from .task import Task
 from .ways import CERTIFIED, DISCRETE, FCL, Way, ways_of

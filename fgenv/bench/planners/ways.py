@@ -14,7 +14,9 @@ from fgenv.planners.plugin import Setup, setup
 from fgenv.planners.problem import Problem
 from fgenv.planners.states import NAME, StateBuffer, _new, serialize_of
 
-from .rigid import Bind, coal_bodies, fcl_bodies
+from .coal_ import coal_bodies
+from .fcl_ import fcl_bodies
+from .rigid import Bind
 from .task import Task, bodies_of
 
 CERTIFIED, DISCRETE, FCL, COAL = "certified", "discrete", "python-fcl", "coal"
