@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fgenv.planners.plans import Plan, PlanError, verify
     from fgenv.planners.plugin import MotionValidator, Setup, StateValidityChecker, setup
     from fgenv.planners.problem import Problem
-    from fgenv.planners.solve import PLANNERS, Route, composite
+    from fgenv.planners.solve import PLANNERS, Graph, Route, composite
     from fgenv.planners.spaces import Layout, space_of
     from fgenv.planners.steering import Steering, legs
 
@@ -27,7 +27,7 @@ LATER = {
     "plans": ("Plan", "PlanError", "verify"),
     "plugin": ("MotionValidator", "Setup", "StateValidityChecker", "setup"),
     "problem": ("Problem",),
-    "solve": ("PLANNERS", "Route", "composite"),
+    "solve": ("PLANNERS", "Graph", "Route", "composite"),
     "spaces": ("Layout", "space_of"),
     "steering": ("Steering", "legs"),
 }
@@ -36,6 +36,7 @@ __all__ = [
     "METHODS",
     "PLANNERS",
     "Certificate",
+    "Graph",
     "Layout",
     "MotionValidator",
     "Plan",

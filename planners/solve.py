@@ -13,6 +13,8 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from fgenv.collision import World
+
 from .errors import PlanningError
 from .objectives import objective_of
 from .plugin import Setup, setup
@@ -35,13 +37,29 @@ class Route:
     Attributes:
         which: places of the robots in the problem.
         paths: (m, nq) each; straight from one to the next.
-        facts: `seconds` in all, `found_after` so many; `search`, CPU seconds in OMPL; states and
-            motions checked; way points found before shortening; size of the planner's graph.
+        facts: `seconds` in all, `found_after` so many; `search`, CPU seconds in OMPL; states,
+            motions and pairs of bodies checked (those that masks left); way points found before
+            shortening; size of the planner's graph.
+        graph: what the planner has grown, if it was asked for.
     """
 
     which: tuple[int, ...]
     paths: tuple[Floats, ...]
     facts: dict[str, Any] = field(default_factory=dict)
+    graph: Graph | None = None
+
+
+@dataclass(frozen=True)
+class Graph:
+    """What a planner has grown.
+
+    Attributes:
+        states: joint states, (n, size); `Setup.configurations` parts them by robots.
+        edges: (m, 2), places in `states`, from and to.
+    """
+
+    states: Floats
+    edges: NDArray[np.int64]
 
 
 def composite(
@@ -54,7 +72,8 @@ def composite(
     objective: str | None = None,
     motions: int = 0,
     steering: str | None = None,
-    world: Any = None,
+    world: World | None = None,
+    graph: bool = False,
 ) -> Route:
     """Plan robots in their joint space, the others standing at their starts.
 
@@ -66,6 +85,7 @@ def composite(
         objective: `length`, `clearance` or `time`; None: the planner's own.
         motions: at most so many checks of motions, 0 for any number.
         world: to plan in; a copy of the problem's if left out.
+        graph: keep what the planner has grown.
 
     Raises:
         PlanningError: no path in time; start or goal in collision.
@@ -99,6 +119,9 @@ def composite(
             states = shortened(made, states)
     finally:
         ou.setLogLevel(level)
+    data = ob.PlannerData(made.getSpaceInformation())
+    made.getPlannerData(data)
+    data.decoupleFromPlanner()  # its states die with the planner
     facts = {
         "planner": planner,
         "seconds": time.perf_counter() - began,
@@ -106,10 +129,12 @@ def composite(
         "search": search,
         "states_checked": made.validity.checks,
         "motions_checked": made.motions.checks,
+        "pairs_checked": made.world._core.tests(),
         "way_points_found": raw,
-        **_data(made),
+        "vertices": data.numVertices(),
+        "edges": data.numEdges(),
     }
-    return Route(which, passed(made, states, steering), facts)
+    return Route(which, passed(made, states), facts, _graph(made, data) if graph else None)
 
 
 def _search(
@@ -147,11 +172,13 @@ def _project(space: Any) -> None:
         space.registerDefaultProjection(ob.SubspaceProjectionEvaluator(space, 0))
 
 
-def _data(made: Setup) -> dict[str, int]:
-    """How large the planner's graph grew."""
-    data = ob.PlannerData(made.getSpaceInformation())
-    made.getPlannerData(data)
-    return {"vertices": data.numVertices(), "edges": data.numEdges()}
+def _graph(made: Setup, data: Any) -> Graph:
+    count = range(data.numVertices())
+    states = np.array([made.buffer.read(data.getVertex(k).getState()) for k in count])
+    edges = [(k, int(to)) for k in count for to in data.getEdges(k)]
+    return Graph(
+        states.reshape(-1, made.buffer.size), np.array(edges, dtype=np.int64).reshape(-1, 2)
+    )
 
 
 def shortened(made: Setup, states: Floats) -> Floats:
@@ -186,7 +213,7 @@ def _path(made: Setup, states: Floats) -> Any:
     return path
 
 
-def passed(made: Setup, states: Floats, steering: str | None = None) -> tuple[Floats, ...]:
+def passed(made: Setup, states: Floats) -> tuple[Floats, ...]:
     """What each robot passes along joint states, (m, nq) each, the legs of its steering among it.
 
     Robots with different numbers of legs take equal times for each of theirs.

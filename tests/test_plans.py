@@ -11,7 +11,17 @@ import trimesh
 
 import fgenv
 from fgenv.collision import Shape
-from fgenv.planners import Certificate, Plan, PlanError, PlanningError, Problem, certify, verify
+from fgenv.planners import (
+    Certificate,
+    Plan,
+    PlanError,
+    PlanningError,
+    Problem,
+    certify,
+    composite,
+    legs,
+    verify,
+)
 from fgenv.planners.limits import broken_limits
 from fgenv.planners.methods import corners
 from fgenv.planners.timing import steps_of, steps_together
@@ -45,8 +55,6 @@ def robot_with(drive: Drive) -> Robot:
 
 def path_for(robot: Robot, rng: np.random.Generator) -> np.ndarray:
     """Way points that the drive can go along, one after the other."""
-    from fgenv.planners import legs
-
     n = 5
     if robot.base == "free":
         half = 0.5 * rng.uniform(-np.pi, np.pi, n)
@@ -228,6 +236,20 @@ def test_corners_of_steps_are_the_way_points() -> None:
     robot = robot_with(DRIVES["holonomic"])
     path = np.array([[0.0, 0, 0], [1, 0, 0], [1, 2, 0.5]])
     assert np.allclose(corners(steps_of(robot, path, DT)), path)
+
+
+@pytest.mark.parametrize("planner", ["RRTConnect", "PRM"])
+def test_what_the_planner_has_grown_can_be_kept(planner: str) -> None:
+    problem = Problem.of("random", n=1, seed=1)
+    route = composite(problem, planner=planner, time_limit=0.5, graph=True)
+    assert route.graph is not None
+    assert route.graph.states.shape == (route.facts["vertices"], 3)
+    assert route.graph.edges.shape == (route.facts["edges"], 2)
+    assert route.facts["pairs_checked"] > 0
+    starts, ends = (route.graph.states[route.graph.edges[:, k]] for k in (0, 1))
+    checker = problem.world
+    ways = [legs(problem.models[0], a, b) for a, b in zip(starts[:50], ends[:50], strict=True)]
+    assert all(checker.check_motion(problem.robots[0], w[:-1], w[1:]) for w in ways)
 
 
 # Failures
