@@ -134,6 +134,13 @@ def test_a_problem_has_every_row(task: Task, monkeypatch: pytest.MonkeyPatch) ->
     assert tables_of("goals", [reached])[0][0].row_count == len(reached)
 
 
+@pytest.mark.parametrize("name", [CERTIFIED, FCL])
+def test_a_search_ends_when_its_time_is_over(name: str) -> None:
+    trap = Task.of("rings")
+    found = run(seeded(ways_of(trap, [FCL])[name], 0), 0.2)
+    assert found.path is not None or 0.15 < found.seconds < 3.0
+
+
 def test_a_search_without_a_solution_took_for_ever(task: Task) -> None:
     record = rigid_run.race_trap(Task.of("bug_trap"), [0], 0.05, lambda doing: None)
     assert list(record["ways"]) == [CERTIFIED, FCL]

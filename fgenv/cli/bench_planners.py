@@ -22,7 +22,7 @@ def planners(
     ] = "",
     seeds: Annotated[int, typer.Option("--seeds", min=1, help="Searches of each problem.")] = 10,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", help="Seconds of a search, by the wall's clock.")
+        float, typer.Option("--time-limit", help="CPU seconds of a search.")
     ] = 60.0,
     resolution: Annotated[
         float | None,

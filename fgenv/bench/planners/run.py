@@ -29,12 +29,12 @@ class Wanted:
     Attributes:
         problems: names, as `Task.of` takes them.
         seeds: of the searches.
-        limit: seconds of a search.
+        limit: CPU seconds of a search.
         resolution: metres, of discrete checks; None: 1 % of the room's diagonal.
         peers: of `PEERS`; python-fcl, which judges, is among them.
         traps: whether the traps are tried.
         mbm: MotionBenchMaker's problems of each family; None: a few where pinocchio is installed.
-        arm_limit: seconds of a search of theirs.
+        arm_limit: CPU seconds of a search of theirs.
     """
 
     problems: tuple[str, ...] = PROBLEMS
@@ -78,7 +78,7 @@ def bench_planners(
 ) -> Iterator[tuple[str, Record]]:
     """Yield (kind, record): `problems`, `traps`, `mbm` by family, `goals` at last.
 
-    Seconds are CPU seconds of the process; time limits are the wall's. `told` hears what is done.
+    Seconds are CPU seconds of the process. `told` hears what is being done.
     """
     wanted.check()
     tasks = [Task.of(name, wanted.resolution) for name in wanted.problems]
