@@ -67,6 +67,19 @@ def test_environments_are_as_shown() -> None:
     names["simulator"].set_state(names["state"])
 
 
+def test_planning_is_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(block("planning"), names)
+    assert names["proof"].proved
+    assert names["proof"].least > 0.001
+    assert names["again"] == names["proof"]
+    assert len(names["ways"]) == 4
+    assert 0 < names["makespan"] < 60
+    assert "no path for robot 1" in names["why"]
+    assert names["ready"].haveExactSolutionPath()
+
+
 def test_records_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
