@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .moves import Floats
-from .roadmap import Roadmap
+from .moves import Floats, Ints
 
 if TYPE_CHECKING:
     from .others import Other
+    from .roadmap import Roadmap
 
 SPAN = 1 << 20  # cells along y
 
 
 class Cells:
-    """For a roadmap's vertices and moves, those of the others that may be near. Never misses one."""
+    """For a roadmap's vertices and moves, those of the others that may be near; all of them."""
 
     def __init__(self, roadmap: Roadmap, others: Sequence[Other]) -> None:
         self._others = others
-        self._side, self._vertices, self._moves = _places(roadmap)
+        self._side, self._vertices, self._moves = roadmap.cells
         self._found: dict[tuple[int, int], list[Other]] = {}
 
     def of_vertex(self, v: int) -> list[Other]:
@@ -41,20 +40,8 @@ class Cells:
         return self._found[at]
 
 
-@lru_cache(maxsize=64)
-def _places(roadmap: Roadmap) -> tuple[float, list[tuple[int, int]], list[tuple[int, int]]]:
-    """Side of a cell (m), and of each vertex and move its cell and reach, in sides, rounded up."""
-    n = len(roadmap.q)
-    side = float(roadmap.steps.radius[:n].max())
-    still = _numbers(roadmap.steps.centre[:n], side).tolist()
-    centre, radius = roadmap.balls
-    reach = np.ceil(radius / side + 1e-6).astype(np.int64).tolist()
-    moves = zip(_numbers(centre, side).tolist(), reach, strict=True)
-    return side, [(cell, 1) for cell in still], list(moves)
-
-
 def covered(centre: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:
-    """Cells with a point from where a ball of that reach may overlap one of the balls (n, 3), (n,)."""
+    """Cells from where a ball of that reach (m) may overlap one of the balls (n, 3), (n,)."""
     wide = (radius + reach)[:, None]
     low = np.floor((centre[:, :2] - wide) / side).astype(np.int64)
     high = np.floor((centre[:, :2] + wide) / side).astype(np.int64)
@@ -65,7 +52,7 @@ def covered(centre: Floats, radius: Floats, side: float, reach: float) -> frozen
     return frozenset(np.unique(x[:, :, None] * SPAN + y[:, None]).tolist())
 
 
-def _numbers(centre: Floats, side: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """The cells that points (n, 3) are in."""
+def numbers(centre: Floats, side: float) -> Ints:
+    """The cells that points (n, 3) are in, (n,)."""
     at = np.floor(centre[:, :2] / side).astype(np.int64)
     return np.asarray(at[:, 0] * SPAN + at[:, 1])

@@ -1,4 +1,4 @@
-"""A move that comes near another robot: which instants to begin it at are safe, asked one by one."""
+"""A move that comes near another robot: when it is safe to begin it, found out on demand."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from .headings import expanded
 from .lattice import apart, box, lattice, neighbours, pitch
 from .moves import Balls, Floats, Ints
 from .roadmap import FAR, Roadmap
-from .steering import legs
+from .steering import Steering, legs
 from .timing import steps_of
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _round(
     hit[: len(ends)] = False
     q = q[~hit]
     moves = _nearest(robot, q)
-    if isinstance(robot.drive, Car):
+    if Steering.of(robot).way != "straight":
         ways = [steps_of(robot, legs(robot, q[a], q[b]), dt) for a, b in moves.tolist()]
         kept = _free(world, name, ways, margin)
         return Roadmap(robot, q, moves[kept], dt, [ways[i] for i in kept])
@@ -107,7 +107,7 @@ def _samples(robot: Robot, ends: Floats, most: int, rng: np.random.Generator) ->
     d = 2 if robot.base == "planar" else 3
     places, _ = _places(robot, ends, most, rng, d)
     places = places[len(np.unique(ends[:, :d], axis=0)) :]
-    headings = np.unique(np.round(ends[:, d:], 6), axis=0)
+    headings = ends[np.unique(np.round(ends[:, d:], 6), axis=0, return_index=True)[1], d:]
     if isinstance(robot.drive, Car):
         headings = np.linspace(-np.pi, np.pi, 8, endpoint=False)[:, None]
     if len(headings) > 2:

@@ -11,6 +11,7 @@ import numpy as np
 from fgenv import _core
 from fgenv.collision import World
 
+from .conflicts import Bools
 from .moves import Floats, Ints
 
 SAME = 1e-6  # radians: headings nearer than this are one
@@ -98,7 +99,8 @@ def _turns(
     used, place = used[order], place[order]
     groups = np.split(used, np.flatnonzero(np.diff(place)) + 1)
     spins = _spins(world, name, q[[g[0] for g in groups]], margin)
-    sure, doubtful = [], []
+    sure: list[Ints] = []
+    doubtful: list[Ints] = []
     for group, spin in zip(groups, spins.tolist(), strict=True):
         a, b = np.meshgrid(group, group, indexing="ij")
         both = np.stack([a.ravel(), b.ravel()], axis=1)
@@ -109,18 +111,17 @@ def _turns(
     )
 
 
-def _spins(
-    world: World, name: str, q: Floats, margin: float
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _spins(world: World, name: str, q: Floats, margin: float) -> Bools:
     """Whether a whole turn is free at each of q (n, 3)."""
     third = np.array([0.0, 0.0, 2 * np.pi / 3])
     ends = q + third * np.arange(4)[:, None, None]  # (4, n, 3)
     found = world.check_motion(name, ends[:-1], ends[1:], margin=margin, first=False)
-    return np.asarray(found.free, dtype=bool).all(0)
+    return np.asarray(np.asarray(found.free, dtype=bool).all(0))
 
 
 def _proved(world: World, name: str, q: Floats, moves: Ints, margin: float) -> Ints:
     if not len(moves):
         return moves
     found = world.check_motion(name, q[moves[:, 0]], q[moves[:, 1]], margin=margin, first=False)
-    return moves[np.asarray(found.free, dtype=bool)]
+    kept: Ints = moves[np.asarray(found.free, dtype=bool)]
+    return kept

@@ -9,9 +9,10 @@ from collections.abc import Iterable, Sequence
 
 from .cells import Cells
 from .doubts import Doubts
-from .others import Other, Range, Unsafe
+from .others import Other
 from .roadmap import INF, Roadmap
 
+Range = tuple[int, int]  # first and last, both within
 ALWAYS: list[Range] = [(0, INF)]
 
 

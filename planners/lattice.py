@@ -26,7 +26,8 @@ def box(robot: Robot, ends: Floats, size: float) -> Floats:
 def pitch(room: Floats, size: float, most: int) -> float:
     """Metres between places, for robots of a size (diameter, m), no more than `most` places."""
     sides = np.maximum(room[1] - room[0], size)
-    return max(1.05 * size, float(np.prod(sides) / most) ** (1.0 / len(sides)))
+    even: float = float(np.prod(sides) / most) ** (1.0 / len(sides))
+    return max(1.05 * size, even)
 
 
 def lattice(room: Floats, step: float, rng: np.random.Generator) -> Floats:
@@ -46,12 +47,13 @@ def apart(places: Floats, wanted: Floats, step: float) -> Floats:
     if not len(wanted) or not len(places):
         return places
     gaps = ((places[:, None] - wanted) ** 2).sum(-1).min(1)
-    return places[gaps > (NEARER * step) ** 2]
+    kept: Floats = places[gaps > (NEARER * step) ** 2]
+    return kept
 
 
 def neighbours(places: Floats, reach: float, most: int) -> Ints:
     """Pairs (m, 2), rising, of places (n, d) within reach (m), each with its `most` nearest."""
-    pairs = set()
+    pairs: set[tuple[int, int]] = set()
     for i, place in enumerate(places):
         gaps = ((places - place) ** 2).sum(1)
         gaps[i] = np.inf

@@ -1,68 +1,26 @@
-"""What the many-robot methods share: roadmaps and tables of a problem, its ends, and results."""
+"""What the many-robot methods share: a problem's roadmaps, and which of their steps meet."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-
 from .conflicts import Meetings
 from .errors import PlanningError
 from .growing import grow
 from .intervals import Traffic
-from .others import Other, Timed
 from .moves import GONE, Floats
+from .others import Other, Timed
 from .roadmap import FAR, Roadmap
 from .sipp import Effort, Track
+from .timetable import Stats
 
 if TYPE_CHECKING:
     from .problem import Problem
-
-
-@dataclass(frozen=True)
-class Stats:
-    """What a method took.
-
-    Attributes:
-        expanded: states of single robots' searches.
-        searches: of single robots.
-        checks: pairs of steps that the world was asked.
-        roadmaps: vertices and moves of each kind's.
-        restarts: orders tried beside the first, of `prioritized`.
-        nodes: of the high level, of `conflict_based`.
-        knots: groups that were solved jointly.
-    """
-
-    expanded: int = 0
-    searches: int = 0
-    checks: int = 0
-    roadmaps: tuple[tuple[int, int], ...] = ()
-    restarts: int = 0
-    nodes: int = 0
-    knots: tuple[tuple[int, ...], ...] = ()
-
-
-@dataclass(frozen=True)
-class Timetable:
-    """Timed paths: configurations (k + 1, nq) at each step, of each robot; None: it has none."""
-
-    paths: tuple[Floats | None, ...]
-    stats: Stats = field(default_factory=Stats)
-
-    @property
-    def missing(self) -> tuple[int, ...]:
-        """Robots without a path."""
-        return tuple(i for i, path in enumerate(self.paths) if path is None)
-
-    @property
-    def complete(self) -> bool:
-        """Whether every robot has a path."""
-        return not self.missing
 
 
 class Tables:
@@ -140,7 +98,7 @@ class Tables:
         return Timed(self.kinds[i], steps, self.goals[i] if self.park else GONE)
 
     def traffic(self, i: int, others: Iterable[Timed]) -> Traffic:
-        """Others' timed paths as robot i meets them; what is found out of a path is kept with it."""
+        """Others' timed paths as robot i meets them; what is found out is kept with them."""
         return Traffic(self.roadmap(i), [self._seen(i, timed) for timed in others])
 
     def _seen(self, i: int, timed: Timed) -> Other:
@@ -162,7 +120,7 @@ class Tables:
         return Stats(**done, checks=self.meetings.checks, roadmaps=sizes, **more)  # type: ignore[arg-type]
 
     def check(self) -> None:
-        """PlanningError where starts or goals make the problem impossible, or no roadmap will do."""
+        """PlanningError where ends collide, or a robot has no way even alone."""
         self.problem.check()
         for i in range(len(self.kinds)):
             if self.least(i) >= FAR:

@@ -27,13 +27,15 @@ class Balls:
         parts = [(p, np.asarray(p.shape.vertices, dtype=np.float64)) for p in robot.parts]
         self._links = np.array([p.link for p, _ in parts], dtype=np.int64)
         boxes = [0.5 * (v.min(0) + v.max(0)) for _, v in parts]  # middles, the shapes' frames
-        turned = [p.origin[:3, :3] @ c + p.origin[:3, 3] for (p, _), c in zip(parts, boxes)]
+        turned = [
+            p.origin[:3, :3] @ c + p.origin[:3, 3] for (p, _), c in zip(parts, boxes, strict=True)
+        ]
         self._middles = np.array(turned).reshape(-1, 3)  # the links' frames
-        far = [((v - c) ** 2).sum(1).max() for (_, v), c in zip(parts, boxes)]
+        far = [((v - c) ** 2).sum(1).max() for (_, v), c in zip(parts, boxes, strict=True)]
         self._radii = np.sqrt(np.array(far))
 
     def around(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
-        """Centres (n, 3) and radii (n,), metres: they hold the robot all along q0 to q1, (n, nq)."""
+        """Centres (n, 3), radii (n,), metres: they hold the robot all along q0 to q1, (n, nq)."""
         middle = self.robot.interpolate(q0, q1, 0.5, threads=1)
         poses = self.robot.forward(middle, threads=1)[:, self._links]  # (n, parts, 4, 4)
         at = (poses[..., :3, :3] @ self._middles[..., None])[..., 0] + poses[..., :3, 3]

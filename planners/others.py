@@ -88,7 +88,8 @@ class Other:
         there = self.meetings.steps[self.timed.kind].q0[self.steps[at]]
         q = np.broadcast_to(self.roadmap.q[v], (len(at), self.roadmap.q.shape[1]))
         hit = self.meetings.ask(self.kind, q, q, self.timed.kind, there, there)
-        return self.first[at[hit]].tolist()
+        out: list[int] = self.first[at[hit]].tolist()
+        return out
 
     def _doubts(self, mine: Ints) -> Doubts | None:
         a, b, squares = self._near(mine)

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import PlanningError
-from .many import Tables, Timetable
+from .many import Tables
 from .moves import Floats
 from .priorities import HOLDS, Priorities
 from .sipp import Effort, Track
+from .timetable import Timetable
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -89,6 +90,6 @@ def _reason(problem: Problem, found: Timetable, time_limit: float, late: bool) -
     why = f"within {time_limit:g} s" if late else f"in {found.stats.restarts + 1} orders"
     done = len(found.paths) - len(found.missing)
     return (
-        f"prioritized: no way for all {len(found.paths)} robots {why}; the best order left {missing}"
-        f" without one, {done} have theirs; give more time, or take conflict_based or composite"
+        f"prioritized: no way for all {len(found.paths)} robots {why}; the best order left"
+        f" {missing} without one, {done} have theirs; give more time, or take conflict_based or composite"
     )

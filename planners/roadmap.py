@@ -8,6 +8,7 @@ import numpy as np
 
 from fgenv.robots import Robot
 
+from .cells import numbers
 from .moves import Floats, Ints, Steps
 from .pace import Pace
 
@@ -69,6 +70,17 @@ class Roadmap:
             far = np.asarray(self.robot.distance(self.q[a], self.q[b]))
         centre, radius = self.steps.centre[:n], self.steps.radius[:n]
         return 0.5 * (centre[a] + centre[b]), 0.5 * (radius[a] + radius[b] + far)
+
+    @cached_property
+    def cells(self) -> tuple[float, list[tuple[int, int]], list[tuple[int, int]]]:
+        """Side of a cell (m), and of each vertex and move its cell and its reach, in sides."""
+        n = len(self.q)
+        side = float(self.steps.radius[:n].max())
+        still = numbers(self.steps.centre[:n], side).tolist()
+        centre, radius = self.balls
+        reach = np.ceil(radius / side + 1e-6).astype(np.int64).tolist()
+        moves = zip(numbers(centre, side).tolist(), reach, strict=True)
+        return side, [(cell, 1) for cell in still], list(moves)
 
     def _out(self) -> list[list[tuple[int, int, int]]]:
         """Of each vertex the moves that leave it: number, where to, how many steps."""

@@ -1,8 +1,8 @@
 """Safe interval path planning: the soonest timed path of one robot among others that move.
 
 M. Phillips and M. Likhachev, "SIPP: Safe interval path planning for dynamic environments", 2011. A
-state is a vertex and one of its safe intervals; of all ways into it the soonest is best, for one may
-wait.
+state is a vertex and one of its safe intervals; of all ways into it the soonest is best, for one
+may wait.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def sipp(
     left = to_goal[start]
     heap = [(max(greed * left, soonest), left, -1, -1, start, first, 0, 0)]
     while heap:
-        f, left, parent, e, v, i, begin, end = heappop(heap)
+        _, left, parent, e, v, i, begin, end = heappop(heap)
         length = roadmap.lengths[e] if e >= 0 else 0
         if i < 0:
             there = safe.waits(v)
