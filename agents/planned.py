@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,12 @@ from fgenv.scenarios import Scenario
 Flags = NDArray[np.bool_]
 
 LATE_BY_WAY_POINTS = 0.05  # metres: a way point 2 cm away is not driven at
-PARTS = 8  # of a step that clocks slow down by
+HALVINGS = 7  # of how much a clock changes its rate at once
+NEARER, PATIENCE = 1e-4, 3  # metres, steps: who comes no nearer for so long does not
+BESIDE, FAR = (
+    0.2,
+    0.5,
+)  # metres: who comes no nearer than the one goes on; beyond the other, as `goto`
 
 
 class PlanWarning(UserWarning):
@@ -41,6 +46,9 @@ class Run:
         clock: steps of the course that were made; a part of one where robots were held up.
         rate: that the clock went on by in the last step.
         steps: of the episode, when it was last looked at.
+        waited: steps by which the clock is behind the episode's.
+        nearest, stuck: how near each robot that is off its course came (m), and for how many steps
+            it has come no nearer.
     """
 
     key: tuple[int, int]
@@ -48,6 +56,21 @@ class Run:
     clock: float = 0.0
     rate: float = 1.0
     steps: int = 0
+    waited: float = 0.0
+    nearest: Floats = field(default_factory=lambda: np.empty(0))
+    stuck: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def late(self, off: Floats, tolerance: Floats) -> Flags:
+        """Who is to be waited for, of robots that are `off` their courses (robots,).
+
+        Not for who comes no nearer, a small way off: it drives along its course, beside it.
+        """
+        if len(self.nearest) == 0:
+            self.nearest, self.stuck = np.full(len(off), np.inf), np.zeros(len(off), dtype=np.int64)
+        nearer, out = off < self.nearest - NEARER, off > tolerance
+        self.stuck = np.where(out & ~nearer, self.stuck + 1, 0)
+        self.nearest = np.where(out, np.minimum(self.nearest, off), np.inf)
+        return out & ((self.stuck < PATIENCE) | (off > BESIDE))
 
 
 class Planned(Seeing):
@@ -105,26 +128,24 @@ class Planned(Seeing):
     @property
     def waited(self) -> float:
         """Seconds that the plans' clocks stood still for who was held up, in the worst world."""
-        steps = self.view.steps
-        lost = [
-            int(steps[k]) - run.clock
-            for k, run in enumerate(self._runs)
-            if run is not None and run.course is not None and run.clock < run.course.last
-        ]
-        return max([0.0, *lost]) * self.view.dt
+        return (
+            max((run.waited for run in self._runs if run is not None), default=0.0) * self.view.dt
+        )
 
     def act(self, observations: Rows) -> Floats:
         """Actions (worlds, robots, size)."""
         view = self.view
         self._refresh()
         q = view.configurations
-        late = self._look(q) > self._tolerance
+        off, tolerance = self._look(q), self._tolerance
+        late = np.zeros(off.shape, dtype=bool)
         for k, run in enumerate(self._runs):
             assert run is not None
             run.steps = int(view.steps[k])
             if run.course is not None:
-                self._tick(k, run, q[k], late[k])
-        return self._lead(q, self._places(q), late)
+                late[k] = run.late(off[k], tolerance)
+                self._tick(k, run, q[k], off[k] > tolerance, late[k])
+        return self._lead(q, self._places(q), late & (off > FAR))
 
     # Episodes
 
@@ -190,38 +211,46 @@ class Planned(Seeing):
         self._worst = max(self._worst, float(off.max()))
         return off
 
-    def _tick(self, world: int, run: Run, q: Floats, late: Flags) -> None:
-        """The clock goes on, or waits for who is late."""
+    def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
+        """The clock goes on, or waits for who is late; who is off its course is `out`."""
         assert run.course is not None
-        if run.rate == 1.0 and run.clock == int(run.clock) and not late.any():
-            run.clock = min(run.clock + 1.0, float(run.course.last))
+        last = float(run.course.last)
+        if run.rate == 1.0 and run.clock == int(run.clock) and not out.any():
+            run.clock = min(run.clock + 1.0, last)
             return
         for rate in rates(run, bool(late.any())):
-            clock = min(run.clock + rate, float(run.course.last))
-            if self._can(world, run, q, late, clock) and self._free(world, run, q, late, clock):
+            clock = min(run.clock + rate, last)
+            if self._can(world, run, q, out, clock) and self._free(world, run, q, clock):
                 break
         else:
             clock = run.clock  # brake as hard as can be
-        run.clock, run.rate = clock, clock - run.clock
+        run.rate = 1.0 if clock == last else clock - run.clock
+        run.waited, run.clock = run.waited + 1.0 - run.rate, clock
 
-    def _can(self, world: int, run: Run, q: Floats, late: Flags, clock: float) -> bool:
+    def _can(self, world: int, run: Run, q: Floats, out: Flags, clock: float) -> bool:
         """Whether all that are on their courses can follow the clock."""
         assert run.course is not None
-        before, on = self.view.velocities[world], self.view.moving[world] & ~late
+        before, on = self.view.velocities[world], self.view.moving[world] & ~out
         rows = run.course.at(clock)
         return all(
             can(self.view.robots[i], q[i, : len(rows[i])], rows[i], before[i], self.view.dt)
             for i in np.flatnonzero(on).tolist()
         )
 
-    def _free(self, world: int, run: Run, q: Floats, late: Flags, clock: float) -> bool:
-        """Whether the step is proved; who is late may come all the way to its course."""
-        assert run.course is not None
+    def _free(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
+        """Whether the way to where clocks have all is proved, one after the other at once."""
         on = np.flatnonzero(self.view.moving[world]).tolist()
+        if not on:
+            return True
         names, models = [self.view.names[i] for i in on], [self.view.robots[i] for i in on]
-        rows = run.course.at(clock)
-        ends = [q[i, : len(rows[i])] for i in on], [rows[i] for i in on]
-        return bool(free_steps(self.view.world(world), names, models, ends).all())
+        rows = [self._expected(run, q, i, clocks) for i in on]
+        return bool(free_steps(self.view.world(world), names, models, rows).all())
+
+    def _expected(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
+        """Where a robot is now, and at clocks, (1 + len(clocks), nq)."""
+        assert run.course is not None
+        ahead = [run.course.at(clock)[i] for clock in clocks]
+        return np.array([q[i, : self.view.robots[i].nq], *ahead])
 
     def _lead(self, q: Floats, places: Floats, late: Flags) -> Floats:
         """Actions to places: by the drives turned round; of who is late, as `goto` goes."""
@@ -243,10 +272,9 @@ class Planned(Seeing):
 def rates(run: Run, waits: bool) -> Sequence[float]:
     """How far the clock may go on in a step, best first: to a whole step where it is between."""
     wanted = 0.0 if waits else 1.0
-    known = {k / PARTS for k in range(PARTS + 1)} | {run.rate}
-    order = sorted(known, key=lambda rate: abs(rate - wanted))
+    order = [run.rate + (wanted - run.rate) * 0.5**k for k in range(HALVINGS)]
     whole = int(run.clock) + 1 - run.clock
-    return [*([] if waits or whole == 1.0 else [whole]), *order]
+    return [*([] if waits or whole == 1.0 else [whole]), *order, run.rate]
 
 
 def fit(course: Course, view: View, world: int) -> None:

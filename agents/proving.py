@@ -16,14 +16,14 @@ Floats = NDArray[np.float64]
 
 
 def free_steps(
-    world: World, names: Sequence[str], models: Sequence[Robot], rows: Sequence[Sequence[Floats]]
+    world: World, names: Sequence[str], models: Sequence[Robot], rows: Sequence[Floats]
 ) -> NDArray[np.bool_]:
     """Whether each step is proved free, (m,): all robots named move at once, the rest stands.
 
     Args:
-        rows: m + 1 times a configuration (nq,) of each of them.
+        rows: configurations (m + 1, nq) of each of them.
     """
-    joint = np.array([np.concatenate(row) for row in rows])
+    joint = np.concatenate(rows, axis=1)
     n = len(names)
     checker = _core.Checker(
         world._core,
