@@ -13,11 +13,11 @@ from .ways import CERTIFIED, COAL, DISCRETE, FCL
 
 NOTES = {
     "problems": "RRTConnect, the same seeds, space and range. s: CPU seconds to the first "
-    "solution, median; ×: times fgenv certified is faster; motions: asked for, median; a second: "
-    "CPU second of the search; hidden: shortened solutions in which python-fcl finds a collision "
-    "when it looks 100 times finer than the resolution, of those solved. certified, discrete: "
-    "fgenv's plug-in; the others: checkers in Python under OMPL's discrete validator, which takes "
-    "as many steps in the mean.",
+    "solution, median; ×: times fgenv certified is faster; motions: asked for, median; kmot, kst: "
+    "thousands of motions and states asked in a CPU second of the search; hidden: shortened "
+    "solutions in which python-fcl finds a collision when it looks 100 times finer than the "
+    "resolution, of those solved. certified, discrete: fgenv's plug-in; the others: checkers in "
+    "Python under OMPL's discrete validator, which takes as many steps in the mean.",
     "edges": "µs of CPU an edge: the very edges that certified searches asked for, asked again "
     "through OMPL; native: certified in one batch; plug: what OMPL and the plug-in add to that; "
     "×FCL: python-fcl's time over fgenv's discrete at equal resolution; states: single states.",
@@ -43,7 +43,7 @@ def tables_of(kind: str, records: Sequence[Record]) -> list[tuple[Table, str]]:
 
 def problems_table(records: Sequence[Record]) -> Table:
     """Problems and ways downward."""
-    titles = ("solved", "s", "×", "motions", "motions/s", "states/s", "hidden")
+    titles = ("solved", "s", "×", "motions", "kmot/s", "kst/s", "hidden")
     table = _table("Time to the first solution", ("problem", "way"), titles)
     for record in records:
         own = record["ways"][CERTIFIED]["seconds"]
@@ -57,8 +57,8 @@ def problems_table(records: Sequence[Record]) -> Table:
                 f">{record['limit']:g}" if took is None else f"{took:.3g}",
                 times,
                 f"{way['motions']:,.0f}",
-                f"{way['motions_per_second']:,.0f}",
-                "" if name in (CERTIFIED, DISCRETE) else f"{way['states_per_second']:,.0f}",
+                _thousands(way["motions_per_second"]),
+                "" if name in (CERTIFIED, DISCRETE) else _thousands(way["states_per_second"]),
                 f"{way['hidden']}/{way['solved']}",
             )
     return table
@@ -159,6 +159,10 @@ def _table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
     for column in right:
         table.add_column(column, justify="right", no_wrap=True)
     return table
+
+
+def _thousands(rate: float) -> str:
+    return f"{rate / 1000:.3g}"
 
 
 def _micros(seconds: float | None) -> str:
