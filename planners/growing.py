@@ -96,7 +96,7 @@ def _places(
     rest = robot.rest[None]
     size = 2.0 * float(Balls(robot).around(rest, rest)[1][0])
     room = box(robot, wanted, size)
-    step = pitch(room, size, most)
+    step = pitch(room, size, most, (PLACES / most) ** (1.0 / d))
     return np.concatenate([wanted, apart(lattice(room, step, rng), wanted, step)]), REACH * step
 
 

@@ -43,7 +43,10 @@ class Traffic:
         self._moves: dict[int, list[Doubts]] = {}
 
     def waits(self, v: int) -> list[Range]:
-        """Intervals of instants that the robot may wait through at vertex v, rising."""
+        """Intervals of instants that the robot may wait through at vertex v, rising.
+
+        An instant between two steps that are not safe is left out, though one might pass just then.
+        """
         if v not in self._waits:
             self._waits[v] = self._found_waits(v)
         return self._waits[v]
@@ -69,16 +72,5 @@ class Traffic:
         return low
 
     def _found_waits(self, v: int) -> list[Range]:
-        found = [(o, unsafe) for o in self._near.of_vertex(v) if (unsafe := o.waits(v)) is not None]
-        if not found:
-            return ALWAYS
-        stood = [r for _, unsafe in found for r in unsafe.stood]
-        passed = {t for _, unsafe in found for t in unsafe.passed}
-        ends = {b + 1 for _, b in stood}
-        between = {t for t in passed if t - 1 in passed or t in ends}
-        between = {t for t in between if not any(a <= t <= b + 1 for a, b in stood)}
-        for other, unsafe in found:
-            at = sorted(between & unsafe.passed)
-            if at:
-                between.difference_update(other.there(v, at))
-        return stays([*stood, *((t, t) for t in passed)], between)
+        found = [unsafe for o in self._near.of_vertex(v) if (unsafe := o.waits(v)) is not None]
+        return stays(r for unsafe in found for r in unsafe) if found else ALWAYS

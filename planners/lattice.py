@@ -23,11 +23,14 @@ def box(robot: Robot, ends: Floats, size: float) -> Floats:
     return np.stack([ends.min(0) - reach, ends.max(0) + reach])
 
 
-def pitch(room: Floats, size: float, most: int) -> float:
-    """Metres between places, for robots of a size (diameter, m), no more than `most` places."""
+def pitch(room: Floats, size: float, most: int, fine: float = 1.0) -> float:
+    """Metres between places, for robots of a size (diameter, m), no more than `most` places.
+
+    Two robots just fit at two places; `fine` times as much at least.
+    """
     sides = np.maximum(room[1] - room[0], size)
     even: float = float(np.prod(sides) / most) ** (1.0 / len(sides))
-    return max(1.05 * size, even)
+    return max(1.05 * fine * size, even)
 
 
 def lattice(room: Floats, step: float, rng: np.random.Generator) -> Floats:

@@ -25,15 +25,6 @@ class Timed:
     seen: dict[int, Other] = field(default_factory=dict)  # by the kind of who meets it
 
 
-@dataclass(frozen=True)
-class Unsafe:
-    """When a robot must not wait at a vertex: ranges of steps in which the other stands in its way,
-    and steps in which he passes."""
-
-    stood: list[Range]
-    passed: frozenset[int]
-
-
 class Other:
     """Entries: he makes step `steps[n]` in each of the steps `first[n]` to `last[n]` of time."""
 
@@ -54,7 +45,7 @@ class Other:
         rounding = 1e-6 * (1.0 + float(self.radius.max()))  # metres, of the squares
         self._reach = self.radius + meetings.margin + rounding
         self._cells: dict[tuple[float, float], frozenset[int]] = {}
-        self._waits: dict[int, Unsafe | None] = {}
+        self._waits: dict[int, list[Range] | None] = {}
         self._moves: dict[int, Doubts | None] = {}
 
     def cells(self, side: float, reach: float) -> frozenset[int]:
@@ -65,15 +56,13 @@ class Other:
             self._cells[key] = covered(self.centre, self.radius, side, wide)
         return self._cells[key]
 
-    def waits(self, v: int) -> Unsafe | None:
-        """When waiting at vertex v is not safe; None: it always is."""
+    def waits(self, v: int) -> list[Range] | None:
+        """Ranges of steps in which waiting at vertex v is not safe; None: it always is."""
         if v not in self._waits:
             b = self._near(np.array([v]))[1]
             met = b[self.meetings.meet_near(self.kind, np.full(len(b), v), *self._theirs(b))]
-            stood, passed = met[self.still[met]], met[~self.still[met]]
-            ranges = list(zip(self.first[stood].tolist(), self.last[stood].tolist(), strict=True))
-            unsafe = Unsafe(ranges, frozenset(self.first[passed].tolist()))
-            self._waits[v] = unsafe if len(met) else None
+            ranges = zip(self.first[met].tolist(), self.last[met].tolist(), strict=True)
+            self._waits[v] = list(ranges) or None
         return self._waits[v]
 
     def moves(self, e: int) -> Doubts | None:
@@ -81,15 +70,6 @@ class Other:
         if e not in self._moves:
             self._moves[e] = self._doubts(self.roadmap.numbers(e))
         return self._moves[e]
-
-    def there(self, v: int, instants: list[int]) -> list[int]:
-        """Those of the instants, at which he begins a step, at which he is in the way at v."""
-        at = np.searchsorted(self.first, instants)
-        there = self.meetings.steps[self.timed.kind].q0[self.steps[at]]
-        q = np.broadcast_to(self.roadmap.q[v], (len(at), self.roadmap.q.shape[1]))
-        hit = self.meetings.ask(self.kind, q, q, self.timed.kind, there, there)
-        out: list[int] = self.first[at[hit]].tolist()
-        return out
 
     def _doubts(self, mine: Ints) -> Doubts | None:
         a, b, squares = self._near(mine)

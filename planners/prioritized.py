@@ -91,5 +91,6 @@ def _reason(problem: Problem, found: Timetable, time_limit: float, late: bool) -
     done = len(found.paths) - len(found.missing)
     return (
         f"prioritized: no way for all {len(found.paths)} robots {why}; the best order left"
-        f" {missing} without one, {done} have theirs; give more time, or take conflict_based or composite"
+        f" {missing} without one, {done} have theirs; give more time, or take conflict_based or"
+        " composite"
     )
