@@ -8,7 +8,7 @@ namespace fgenv {
 namespace {
 
 constexpr int64_t most_steps = 10'000'000;  // of a motion that is looked at in steps
-constexpr int64_t most_looks = 8;
+constexpr int64_t most_looks = 16;
 constexpr double look = 0.25;  // of the smallest part's radius: a certified motion is looked at so often before
 
 // Fractions of a motion, the whole first, then halves, quarters and so on: k / n for k = 1 to n, each once.
