@@ -24,7 +24,8 @@ from .timing import steps_of
 if TYPE_CHECKING:
     from .problem import Problem
 
-PLACES = 250  # of the first round; each round more has twice as many
+PLACES = 500  # of the first round, at most; each round more has twice as many
+FINE = 0.7  # of the pitch at which two robots just fit: of the first round's
 ROUNDS = 4
 NEAREST = 12
 REACH = 1.6  # pitches: how far a place's neighbours are
@@ -96,16 +97,16 @@ def _places(
     rest = robot.rest[None]
     size = 2.0 * float(Balls(robot).around(rest, rest)[1][0])
     room = box(robot, wanted, size)
-    step = pitch(room, size, most, (PLACES / most) ** (1.0 / d))
+    step = pitch(room, size, most, FINE * (PLACES / most) ** (1.0 / d))
     return np.concatenate([wanted, apart(lattice(room, step, rng), wanted, step)]), REACH * step
 
 
 def _samples(robot: Robot, ends: Floats, most: int, rng: np.random.Generator) -> Floats:
     """Configurations (n, nq): bases on a lattice, orientations as at the ends; else random."""
     if robot.base == "fixed" or robot.moving_joints:
-        return robot.random(rng, 2 * most)
+        return robot.random(rng, most)
     d = 2 if robot.base == "planar" else 3
-    places, _ = _places(robot, ends, most, rng, d)
+    places, _ = _places(robot, ends, most if d == 2 else most // 2, rng, d)
     places = places[len(np.unique(ends[:, :d], axis=0)) :]
     headings = ends[np.unique(np.round(ends[:, d:], 6), axis=0, return_index=True)[1], d:]
     if isinstance(robot.drive, Car):
