@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv.scenarios import Scenario
+from fgenv.scenarios.checks import files
 from fgenv.scenarios.frozen import text_of
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 from fgenv.scenarios.text import moved
@@ -235,6 +236,8 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
     """
     if not isinstance(plan, Plan):
         plan = Plan.load(plan)
+    for found in files(plan.scenario):
+        raise PlanError(f"plan: {found.problem}")
     changed = {m for m, h in urdf_hashes(plan.scenario).items() if h != plan.urdf.get(m)}
     if plan.urdf and changed:
         raise PlanError(f"plan: the URDF of {changed.pop()!r} is another than it was made with")
