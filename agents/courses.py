@@ -123,18 +123,16 @@ def find(
         PlanningError: no plan in time, and why.
     """
     problem, end = careful(scenario, seed), time.monotonic() + time_limit
-    several = method is None and len(problem.names) > 1
-    arms = all(model.base == "fixed" for model in problem.models)  # roadmaps of arms take long
+    if method is None and all(model.base == "fixed" for model in problem.models):
+        method = "composite"  # roadmaps of arms take long
     why = PlanningError(f"no plan within {time_limit:g} s: give more time")
     for attempt in range(TRIES):
         left = end - time.monotonic()
         if left <= 0:
             break
         again = replace(problem, seed=seed + attempt)
-        chosen = "composite" if several and (arms or attempt % 2) else method
-        share = left / 2 if several and attempt == 0 else left
         try:
-            course = Course.of(plan_all(again, planner, share, seed + attempt, method=chosen))
+            course = Course.of(plan_all(again, planner, left, seed + attempt, method=method))
         except PlanningError as error:
             why = error
             continue

@@ -19,7 +19,8 @@ from fgenv.planners import PlanningError
 
 LOOK_AHEAD = 5  # steps that are proved, at least
 STRAYED = 8  # steps after which a robot that comes no nearer to its course is not waited for
-AGAIN = 10  # steps between plans at least: after one that failed, or to count on who stands again
+AGAIN = 10  # steps between plans at least, but where a robot strays
+CHANCE = 40  # steps after which a stray that stands is counted on again
 AT_REST = 1e-3  # m/s, rad/s
 MOST_AHEAD = 30  # steps
 
@@ -90,12 +91,13 @@ class Replanning(Planned):
     def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
         assert run.course is not None
         watch, moving = self._watch(world, run, q), self.view.moving[world]
-        new = out & moving & (run.stuck >= STRAYED) & late & ~watch.strays
-        watch.strays = (watch.strays | new) & moving
         ahead = [min(run.clock + j + 1, run.course.last) for j in range(self._steps)]
         blocked = not self._free(world, run, q, *ahead)
-        since = run.steps - watch.planned
-        back = self._back(watch, q) if since >= AGAIN else np.zeros_like(new)
+        awaited = out & moving & ~watch.strays
+        new = awaited & (run.stuck >= STRAYED) & (late | blocked)
+        watch.strays = (watch.strays | new) & moving
+        since = 0 if (awaited & (run.stuck < STRAYED)).any() else run.steps - watch.planned
+        back = self._back(watch, q) & ~new & (since >= CHANCE)
         left = run.clock == run.course.last and (moving & ~watch.strays).any()
         due = new.any() or (since >= AGAIN and (blocked or left or back.any()))
         if due and self._at_rest(world, watch):

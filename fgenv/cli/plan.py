@@ -134,6 +134,7 @@ def plan(
             fail(error)
     if out is not None:
         found.save(out)
+        found = type(found).load(out)  # with the hashes of its files
     show(found, [str(out)] if out else [], as_json)
     if interrupted:
         raise KeyboardInterrupt

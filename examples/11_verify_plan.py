@@ -1,0 +1,41 @@
+"""A plan proved again from its file alone; one that was tampered with is refused."""
+
+import numpy as np
+
+import fgenv
+from fgenv.planners import Plan, PlanError
+from fgenv.planners.plans import hash_of
+
+fgenv.plan("doorway", n=2, seed=0, method="composite").save("plan.npz")
+proof = fgenv.verify("plan.npz")
+assert proof
+print(f"plan.npz: proved, {proof.steps} steps, nobody nearer than {proof.least:.4f} m")
+
+wide = fgenv.verify("plan.npz", margin=10.0)
+assert not wide
+print(f"with 10 m to spare it is not: step {wide.failed}")
+
+# A robot that leaps a metre to the side: the file's hash tells that it was changed.
+with np.load("plan.npz") as file:
+    arrays = dict(file)
+arrays["configurations_0"][20, 0] += 1.0
+np.savez("damaged.npz", **arrays)
+try:
+    Plan.load("damaged.npz")
+    raise SystemExit("a damaged plan was read")
+except PlanError as error:
+    print(error)
+
+# Who hashes it anew gets no further: no robot is that fast, or it is not proved.
+texts = {name: str(arrays[name]) for name in ("scenario", "about")}
+rows = {
+    f"{name}_{i}": arrays[f"{name}_{i}"]
+    for name in ("configurations", "way_points")
+    for i in (0, 1)
+}
+np.savez("forged.npz", **{**arrays, "id": hash_of(texts, rows)})
+try:
+    assert not fgenv.verify("forged.npz")
+    print("forged.npz: read, but not proved")
+except PlanError as error:
+    print(error)
