@@ -68,7 +68,8 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
         tell(console, record, results, seconds, notes)
         if followed:
             error, waited = followed["tracking_error"], followed["waited"]
-            console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s for who was late")
+            again = f", planned anew {followed['replans']} times" if "replans" in followed else ""
+            console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s{again}")
     if wanted.movie is not None and not interrupted:
         draw(record, wanted.movie, wanted.fps, console)
         written.append(str(wanted.movie))

@@ -136,9 +136,9 @@ def run(
 ) -> None:
     """Run an episode of a scenario and say how each robot did.
 
-    plan plans all robots (see fgenv plan) and drives the plan; replan plans
-    anew where robots or bodies are not where the plan had them. How far robots
-    were from their plan at most is told.
+    plan plans all robots (see fgenv plan) and drives the plan; who is held up
+    is waited for. replan looks ahead, and plans anew where robots do not do as
+    they are told. How far robots were off their plan at most is told.
 
     A robot succeeds if it comes to its goal and meets nothing. --record keeps
     the run to be looked at and run again, bit for bit; --movie shows it.
