@@ -111,10 +111,12 @@ class Problem:
     def kinds(self) -> tuple[int, ...]:
         """Equal for robots that can be taken for each other: they share roadmaps."""
         known: dict[Any, int] = {}
-        specs = self.scenario.robots
-        return tuple(
-            known.setdefault((s.model, s.mount.pose.tobytes(), s.groups), len(known)) for s in specs
-        )
+        named = {name for pair in self.scenario.allowed for name in pair}
+        keys = [
+            (s.model, s.mount.pose.tobytes(), s.groups, s.name if s.name in named else "")
+            for s in self.scenario.robots
+        ]
+        return tuple(known.setdefault(key, len(known)) for key in keys)
 
     def alone(self, *which: int) -> World:
         """A world of the bodies that stand and these robots."""
@@ -138,22 +140,29 @@ class Problem:
         return int(robot)
 
     def check(self, which: Sequence[int] | None = None) -> None:
-        """PlanningError where starts, or goals, collide: says who with whom."""
+        """PlanningError where starts, or goals, collide: says who with whom.
+
+        Robots that vanish at their goals may share them.
+        """
         which = range(len(self.names)) if which is None else which
         for label, ends in (("start", self.starts), ("goal", self.goals)):
             world = self.world.copy()
             for i, q in zip(self.robots, ends, strict=True):
                 world.set_configuration(i, q)
             for i in which:
-                if self._fails(world, i, label):
-                    raise PlanningError(self._conflict(world, i, label))
+                alone = self.vanish and label == "goal"
+                seen = self.alone(i) if alone else world
+                if alone:
+                    seen.set_configuration(self.names[i], ends[i])
+                if self._fails(seen, i, label):
+                    raise PlanningError(self._conflict(seen, i, label))
 
     def _fails(self, world: World, i: int, label: str) -> bool:
         q = (self.starts if label == "start" else self.goals)[i]
-        return bool(world.collides(self.robots[i], q, margin=self.margin))
+        return bool(world.collides(self.names[i], q, margin=self.margin))
 
     def _conflict(self, world: World, i: int, label: str) -> str:
-        own = set(world.parts(self.robots[i]).tolist())
+        own = set(world.parts(self.names[i]).tolist())
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
         pairs = world.contacts(margin=self.margin).tolist()
         met = [b if a in own else a for a, b in pairs if a in own or b in own]

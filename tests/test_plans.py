@@ -252,6 +252,19 @@ def test_what_the_planner_has_grown_can_be_kept(planner: str) -> None:
     assert all(checker.check_motion(problem.robots[0], w[:-1], w[1:]) for w in ways)
 
 
+def test_robots_that_vanish_may_share_a_goal() -> None:
+    scenario = Scenario.load("swap", n=2)
+    robots = [r.model_copy(update={"goal": (0.0, 0.0, 0.0)}) for r in scenario.robots]
+    shared = scenario.replace(robots=robots, at_goal="vanish")
+    plan = fgenv.plan(shared, method="prioritized")
+    assert plan.certificate
+    assert verify(plan)
+    assert plan.arrivals[0] != plan.arrivals[1]
+    assert Problem.of(scenario).kinds == (0, 0)
+    apart = scenario.replace(allowed=(("robot 1", "static"),))
+    assert Problem.of(apart).kinds == (0, 1)
+
+
 # Failures
 
 
@@ -262,6 +275,8 @@ def test_failures_say_why() -> None:
     )
     with pytest.raises(PlanningError, match="goal of 'robot 1': collides with robot 2"):
         fgenv.plan(crowded)
+    vanishing = crowded.replace(at_goal="vanish")
+    Problem.of(vanishing).check()
     with pytest.raises(ValueError, match="method: 'magic' is not known"):
         fgenv.plan("swap", method="magic")
     with pytest.raises(ValueError, match=r"planner: 'RTT' is not known; .*RRT"):
