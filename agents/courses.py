@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.agents.leading import way_points as led
 from fgenv.planners import Plan, PlanningError, Problem, certify
 from fgenv.planners.methods import plan as plan_all
 from fgenv.robots import Car, MobileManipulator, Robot
@@ -116,8 +117,12 @@ def find(
     *,
     seed: int = 0,
     time_limit: float = 10.0,
+    way_points: bool = False,
 ) -> Course:
     """Plan a scenario, with other seeds where the plan does not hold as the simulator executes it.
+
+    Args:
+        way_points: it is driven by way points: who drives at those does not back up.
 
     Raises:
         PlanningError: no plan in time, and why.
@@ -136,18 +141,20 @@ def find(
         except PlanningError as error:
             why = error
             continue
-        wrong = fault(problem, course)
+        wrong = fault(problem, course, way_points)
         if wrong is None:
             return course
         why = PlanningError(f"the plans of {attempt + 1} seeds cannot be driven: {wrong}")
     raise why
 
 
-def fault(problem: Problem, course: Course) -> str | None:
+def fault(problem: Problem, course: Course, way_points: bool = False) -> str | None:
     """Why a course does not come out as planned in the simulator, or None."""
     for name, model, q in zip(problem.names, problem.models, course.configurations, strict=True):
         if ((q < model.lower - INSIDE) | (q > model.upper + INSIDE)).any():
             return f"{name} swings out of the workspace on its way; give it more room"
+        if way_points and not led(model, q[:-1], q[1:], problem.dt, 1.0)[1].all():
+            return f"{name} backs up, which way points do not; take actions='drive'"
     if not certify(problem, course.configurations):
         return (
             "who stops within its goal's tolerance is in the way of others;"

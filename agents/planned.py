@@ -82,6 +82,9 @@ class Planned(Seeing):
     before it is made. Nobody drives into anybody, but who never comes holds up all: `Replanning`
     does not wait for ever.
 
+    With way points as actions, differential drives and cars take plans that do not back up only:
+    who drives at way points turns round instead.
+
     Args:
         method, planner, time_limit: see `fgenv.planners.plan`.
         plan: to drive, in place of planning.
@@ -178,7 +181,17 @@ class Planned(Seeing):
             course = Course.of(self.plan)
             fit(course, self.view, world)
             return course
-        return find(scenario, self.method, self.planner, seed=self.seed, time_limit=self.time_limit)
+        return self._find(scenario, self.seed, self.time_limit)
+
+    def _find(self, scenario: Scenario, seed: int, time_limit: float) -> Course:
+        return find(
+            scenario,
+            self.method,
+            self.planner,
+            seed=seed,
+            time_limit=time_limit,
+            way_points=self._simulator.actions == "way_points",
+        )
 
     # Following
 

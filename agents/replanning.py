@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.agents.courses import Course, find
+from fgenv.agents.courses import Course
 from fgenv.agents.planned import Flags, Planned, Run
 from fgenv.agents.situation import from_here, onward
 from fgenv.envs import View
@@ -146,7 +146,7 @@ class Replanning(Planned):
         now, places = from_here(scenario, self.view.robots, q, movers, standing)
         seed = self.seed + self.replans + 1
         try:
-            found = find(now, self.method, self.planner, seed=seed, time_limit=self.again_limit)
+            found = self._find(now, seed, self.again_limit)
             run.course = self._whole(found, places, movers, q)
         except PlanningError as error:
             self.problems[world] = str(error)

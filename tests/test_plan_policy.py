@@ -72,9 +72,12 @@ def test_plans_come_out_as_planned(name: str, n: int, policy: str, most: float) 
     assert made.waited == 0.0
 
 
-@pytest.mark.parametrize(("name", "n"), [("forest", 2), ("cell", 2)])
-def test_way_points_lead_along_the_plan_too(name: str, n: int) -> None:
-    results, made = driven(name, "plan:composite", n=n, actions="way_points")
+@pytest.mark.parametrize(
+    ("name", "n", "policy"),
+    [("forest", 2, "plan:composite"), ("cell", 2, "plan:composite"), ("swap", 3, "plan")],
+)
+def test_way_points_lead_along_the_plan_too(name: str, n: int, policy: str) -> None:
+    results, made = driven(name, policy, n=n, actions="way_points")
     assert results.success_rate == 1.0
     assert results.collisions == 0
     assert made.tracking_error < 1e-3
@@ -199,6 +202,11 @@ def test_a_world_without_a_plan_rests_with_a_warning_or_is_an_error(tmp_path: Pa
     assert (policy.act(simulator.observe()) == 0).all()
     with pytest.raises(PlanningError, match="no path for robot"):
         Planned(time_limit=0.3, strict=True).reset(View(simulator))
+
+
+def test_way_points_that_back_up_are_refused() -> None:
+    with pytest.raises(PlanningError, match="backs up, which way points do not; take actions="):
+        driven("doorway", "plan:composite", n=2, actions="way_points")
 
 
 def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
