@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.agents.clocks import Flags, Run, rates
 from fgenv.agents.courses import Course, find, slack
 from fgenv.agents.courses import late as late_from
 from fgenv.agents.leading import can, drives, way_points
@@ -21,56 +20,12 @@ from fgenv.envs.simulator import Floats, Rows
 from fgenv.planners import Plan, PlanningError
 from fgenv.scenarios import Scenario
 
-Flags = NDArray[np.bool_]
-
 LATE_BY_WAY_POINTS = 0.05  # metres: a way point 2 cm away is not driven at
-HALVINGS = 7  # of how much a clock changes its rate at once
-NEARER, PATIENCE = 1e-4, 3  # metres, steps: who comes no nearer for so long does not
-BESIDE, FAR = (
-    0.2,
-    0.5,
-)  # metres: who comes no nearer than the one goes on; beyond the other, as `goto`
+FAR = 0.5  # metres: who is farther off its course comes as `goto` does
 
 
 class PlanWarning(UserWarning):
     """A world has no plan: its robots rest."""
-
-
-@dataclass
-class Run:
-    """An episode of a world.
-
-    Attributes:
-        key: seed and number of the episode.
-        course: None: there is none, all rest.
-        clock: steps of the course that were made; a part of one where robots were held up.
-        rate: that the clock went on by in the last step.
-        steps: of the episode, when it was last looked at.
-        waited: steps by which the clock is behind the episode's.
-        nearest, stuck: how near each robot that is off its course came (m), and for how many steps
-            it has come no nearer.
-    """
-
-    key: tuple[int, int]
-    course: Course | None
-    clock: float = 0.0
-    rate: float = 1.0
-    steps: int = 0
-    waited: float = 0.0
-    nearest: Floats = field(default_factory=lambda: np.empty(0))
-    stuck: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-
-    def late(self, off: Floats, tolerance: Floats) -> Flags:
-        """Who is to be waited for, of robots that are `off` their courses (robots,).
-
-        Not for who comes no nearer, a small way off: it drives along its course, beside it.
-        """
-        if len(self.nearest) == 0:
-            self.nearest, self.stuck = np.full(len(off), np.inf), np.zeros(len(off), dtype=np.int64)
-        nearer, out = off < self.nearest - NEARER, off > tolerance
-        self.stuck = np.where(out & ~nearer, self.stuck + 1, 0)
-        self.nearest = np.where(out, np.minimum(self.nearest, off), np.inf)
-        return out & ((self.stuck < PATIENCE) | (off > BESIDE))
 
 
 class Planned(Seeing):
@@ -280,14 +235,6 @@ class Planned(Seeing):
         if late.any():
             asked[late] = view.toward(places)[late]
         return asked
-
-
-def rates(run: Run, waits: bool) -> Sequence[float]:
-    """How far the clock may go on in a step, best first: to a whole step where it is between."""
-    wanted = 0.0 if waits else 1.0
-    order = [run.rate + (wanted - run.rate) * 0.5**k for k in range(HALVINGS)]
-    whole = int(run.clock) + 1 - run.clock
-    return [*([] if waits or whole == 1.0 else [whole]), *order, run.rate]
 
 
 def fit(course: Course, view: View, world: int) -> None:

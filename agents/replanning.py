@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from fgenv.agents.clocks import Flags, Run
 from fgenv.agents.courses import Course
-from fgenv.agents.planned import Flags, Planned, Run
+from fgenv.agents.planned import Planned
 from fgenv.agents.situation import from_here, onward
 from fgenv.envs import View
 from fgenv.envs.readings import PARKED
