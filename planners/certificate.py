@@ -55,7 +55,11 @@ def certify(
 
     Args:
         margin: metres to keep; the problem's if left out.
+
+    Raises:
+        ValueError: not one array (k + 1, nq) for each of the problem's robots.
     """
+    _fit(problem, configurations)
     margin = problem.margin if margin is None else margin
     steps = len(configurations[0]) - 1
     least, nearest = np.inf, None
@@ -73,6 +77,21 @@ def certify(
     return Certificate(True, margin, float(least), steps, None, nearest)
 
 
+def _fit(problem: Problem, configurations: Sequence[Floats]) -> None:
+    """ValueError where a robot is left out, or arrays are of other shapes."""
+    shapes = [np.shape(q) for q in configurations]
+    steps = {shape[0] for shape in shapes if shape}
+    if (
+        [s[1:] for s in shapes] != [(m.nq,) for m in problem.models]
+        or len(steps) != 1
+        or 0 in steps
+    ):
+        raise ValueError(
+            f"configurations: shapes {shapes}, wanted (steps + 1, nq) of each of the"
+            f" {len(problem.models)} robots, equally long"
+        )
+
+
 def _phases(
     problem: Problem, configurations: Sequence[Floats]
 ) -> Iterator[tuple[int, int, list[int]]]:
@@ -80,7 +99,7 @@ def _phases(
     n, steps = len(configurations), len(configurations[0]) - 1
     ends = [steps] * n
     if problem.vanish:
-        ends = [arrival(q) for q in configurations]
+        ends = [max(arrival(q), 1) for q in configurations]  # gone after a step at the earliest
     cuts = sorted({0, steps, *(end for end in ends if 0 < end < steps)})
     if steps == 0:
         yield 0, 0, list(range(n))
@@ -116,7 +135,8 @@ def _least(
         return most
     starts, ends = rows[:-1], rows[1:]
     near = np.minimum(gaps[:-1], gaps[1:])
-    low, tried = margin, most - ROOM
+    low, high = margin, most - ROOM
+    tried = high
     if tried <= margin:
         return margin
     left = np.ones(len(starts), dtype=bool)
@@ -125,13 +145,14 @@ def _least(
         asked = np.flatnonzero(left & (near <= tried + _reach(problem, present, starts, ends)))
         bad = asked[~np.asarray(checker.free(starts[asked], ends[asked]))] if len(asked) else asked
         if len(bad) == 0:
-            low = max(low, tried)
+            low = tried
+        else:
+            high = tried
+            left = np.zeros_like(left)
+            left[bad] = True
+        if high - low < ROOM or tried == most - ROOM == low:
             break
-        left = np.zeros_like(left)
-        left[bad] = True
-        tried = (low + tried) / 2
-        if tried - low < ROOM:
-            break
+        tried = (low + high) / 2
     return low
 
 

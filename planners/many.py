@@ -85,6 +85,8 @@ class Tables:
 
     def timed(self, i: int, track: Track) -> Timed:
         """Robot i's track as others see it."""
+        if not self.park and not len(track.steps):  # it is gone after one step at the earliest
+            return self.given(i, np.repeat(self.problem.starts[i][None], 2, axis=0))
         if track not in self._timed:
             rest = self.goals[i] if self.park else GONE
             self._timed[track] = Timed(self.kinds[i], track.steps, rest)

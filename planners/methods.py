@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, replace
@@ -16,6 +18,7 @@ from fgenv.scenarios.trouble import near
 
 from .certificate import certify
 from .errors import PlanningError
+from .limits import wrong_with
 from .plans import Plan, padded
 from .problem import Problem
 from .timing import steps_together
@@ -64,8 +67,8 @@ def plan(
         method = "composite" if len(problem.names) == 1 else "prioritized"
     if method not in METHODS:
         raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
-    if not time_limit > 0:
-        raise ValueError(f"time_limit: {time_limit}, wanted seconds over 0")
+    if not 0 < time_limit < math.inf:
+        raise ValueError(f"time_limit: {time_limit}, wanted finite seconds over 0")
     problem.check()
     began = time.perf_counter()
     for extra in EXTRA:
@@ -81,14 +84,18 @@ def plan(
         raise PlanningError(
             f"the timed paths found are not free at step {certificate.failed}: give more margin"
         )
-    facts["seconds"] = time.perf_counter() - began
+    for i, q in enumerate(configurations):
+        wrong = wrong_with(problem, i, q)
+        if wrong is not None:
+            raise PlanningError(f"{problem.names[i]!r} {wrong}: what was found cannot be driven")
+    facts = json.loads(json.dumps({**facts, "seconds": time.perf_counter() - began}))
     return Plan(
         problem.scenario,
         configurations,
         tuple(way_points),
         method,
         planner,
-        seed,
+        problem.seed,
         certificate,
         facts,
     )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 from ompl import base as ob
 
 from .plugin import Setup
+from .steering import legs
 from .timing import amounts_of, seconds
 
 NEAREST = 1e-3  # metres: nearer counts as this near
@@ -45,7 +47,7 @@ class Nearness(ob.StateCostIntegralObjective):  # type: ignore[misc]
 
 
 class Seconds(ob.OptimizationObjective):  # type: ignore[misc]
-    """Time at full speed, of the slowest robot on each motion."""
+    """Time at full speed on the ways that robots take, of the slowest one on each motion."""
 
     def __init__(self, si: Any, made: Setup) -> None:
         super().__init__(si)
@@ -57,10 +59,12 @@ class Seconds(ob.OptimizationObjective):  # type: ignore[misc]
 
     def motionCost(self, a: Any, b: Any) -> Any:  # noqa: N802
         """Seconds from one state to another."""
-        amounts, k = [], 0
+        slowest, k = 0.0, 0
         start, end = self._read(a), self._read(b)
         for layout in self._layouts:
             part = slice(k, k := k + layout.size)
             q0, q1 = (layout.configurations(state[part]) for state in (start, end))
-            amounts += amounts_of(layout.robot, q0, q1, self._dt)
-        return ob.Cost(seconds(amounts))
+            rows = legs(layout.robot, q0, q1, layout.steering.way)
+            each = [amounts_of(layout.robot, *leg, self._dt) for leg in pairwise(rows)]
+            slowest = max(slowest, sum(map(seconds, each)))
+        return ob.Cost(slowest)

@@ -37,13 +37,12 @@ from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 from fgenv.scenarios.text import moved
 
 from .certificate import Certificate, arrival, certify
-from .limits import broken_limits
+from .limits import wrong_with
 from .problem import Problem
 
 Floats = NDArray[np.float64]
 
 FORMAT = "fgenv plan 1"
-THERE = 1e-9  # metres, or so many of a turn: rounding
 
 
 class PlanError(ValueError):
@@ -118,7 +117,10 @@ class Plan:
 
     def at(self, time: ArrayLike) -> list[Floats]:
         """Configurations (..., nq) of each robot at times (...) in seconds; at rest outside."""
-        step = np.clip(np.asarray(time, dtype=np.float64) / self.dt, 0.0, self.steps)
+        when = np.asarray(time, dtype=np.float64)
+        if np.isnan(when).any():
+            raise ValueError("time: NaN, wanted seconds")
+        step = np.clip(when / self.dt, 0.0, self.steps)
         k = np.minimum(step.astype(int), max(self.steps - 1, 0))
         after = np.minimum(k + 1, self.steps)
         models = self.scenario.build().robots
@@ -242,25 +244,14 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
     if plan.urdf and changed:
         raise PlanError(f"plan: the URDF of {changed.pop()!r} is another than it was made with")
     problem = Problem.of(plan.scenario, plan.certificate.margin if margin is None else margin)
-    steps = {len(q) for q in plan.configurations}
-    if len(plan.configurations) != len(problem.models) or len(steps) != 1 or steps == {0}:
+    steps = {len(q) if q.ndim else 0 for q in plan.configurations}
+    if len(plan.configurations) != len(problem.models) or len(steps) != 1 or 0 in steps:
         raise PlanError("plan: not one configuration for each robot and step; plan again")
     for i, q in enumerate(plan.configurations):
-        wrong = _wrong(problem, i, q)
+        wrong = wrong_with(problem, i, q)
         if wrong:
             raise PlanError(f"plan: {problem.names[i]!r} {wrong}; plan again")
     return certify(problem, plan.configurations)
-
-
-def _wrong(problem: Problem, i: int, q: Floats) -> str | None:
-    """What of a robot's path does not fit the problem."""
-    model = problem.models[i]
-    if q.ndim != 2 or q.shape[1] != model.nq or not np.isfinite(q).all():
-        return f"has configurations of shape {q.shape}, wanted (steps + 1, {model.nq}), finite"
-    for row, end, told in ((q[0], problem.starts[i], "begin"), (q[-1], problem.goals[i], "end")):
-        if model.distance(row, end) > THERE:
-            return f"does not {told} at its {'start' if told == 'begin' else 'goal'}"
-    return broken_limits(model, q, problem.dt)
 
 
 def hash_of(texts: dict[str, str], arrays: dict[str, Floats]) -> str:

@@ -23,14 +23,15 @@ from fgenv import _core
 from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE, Body
 
-from .errors import PlanningError
 from .problem import Problem
 from .spaces import Layout, compound_of, leaves, space_of
-from .states import StateBuffer, serialize_of, size_of
+from .states import StateBuffer, serialize_of
 from .steering import Steering
 
 Floats = NDArray[np.float64]
 Robots = Body | Sequence[Body]
+
+BODY = {"SE2": 3, "SE3": 7}  # numbers in a state of a body that is no robot
 
 
 class StateValidityChecker(ob.StateValidityChecker):  # type: ignore[misc]
@@ -125,7 +126,6 @@ class Setup(og.SimpleSetup):  # type: ignore[misc]
         *,
         steering: str | None = None,
         resolution: float | None = None,
-        tolerance: float = TOLERANCE,
     ) -> None:
         self.problem, self.which, self.world = problem, tuple(which), world
         self.layouts = [
@@ -215,7 +215,9 @@ def setup(
     """
     problem = Problem.of(scenario, margin, seed)
     several = range(len(problem.names)) if robot is None else robot
-    names = [several] if isinstance(several, (int, str)) else list(several)
+    names = [several] if isinstance(several, (int, str, np.integer)) else list(several)
+    if not names:
+        raise ValueError("robot: none, wanted one at least")
     which = [problem.index(name) for name in names]
     made = Setup(
         problem,
@@ -226,10 +228,11 @@ def setup(
     )
     for label, ends in (("start", problem.starts), ("goal", problem.goals)):
         if not made.validity._core.valid(made.states(ends)):
-            problem.check(which)
-            raise PlanningError(
-                f"{label} of {', '.join(problem.names[i] for i in which)}: not valid"
-            )
+            there = made.world.copy()
+            for i in which:
+                there.set_configuration(problem.names[i], ends[i])
+            for i in which:
+                problem.check_there(there, i, label)
     return made
 
 
@@ -246,7 +249,8 @@ def room(problem: Problem, layout: Layout) -> Floats | None:
         around.append(shape.vertices @ pose[:3, :3].T + pose[:3, 3])
     points = np.concatenate(around) - robot.mount[:3, 3]
     points = points @ robot.mount[:3, :3]
-    space = 2.0 * (float(robot.weights[2]) + problem.margin)
+    reach = float(robot.weights[3 if robot.base == "free" else 2])
+    space = 2.0 * (reach + problem.margin)
     return np.stack([points.min(axis=0) - space, points.max(axis=0) + space])
 
 
@@ -261,18 +265,28 @@ def checker_of(
 ) -> _core.Checker:
     """The native checker for states of a space; ValueError where the space does not fit."""
     several = [robot] if isinstance(robot, (int, str, np.integer)) else list(robot)
+    if not several:
+        raise ValueError("robot: none, wanted one at least")
     if resolution is not None and not resolution > 0:
         raise ValueError(f"resolution: {resolution}, wanted metres over 0, or None")
-    space = si.getStateSpace()
+    given = leaves(si.getStateSpace())
     layouts = [_layout(world, body, steering) for body in several]
-    wanted = [_wanted(layout, space) for layout in layouts]
-    given = leaves(space)
-    if _flat(given) != _flat([leaf for leaf_list in wanted for leaf in leaf_list]):
+    wanted: list[tuple[str, int]] = []
+    sizes = []
+    for layout in layouts:
+        leaf = given[len(wanted)] if len(wanted) < len(given) else ("SE2", 3)
+        if layout is None:
+            leaf = leaf if leaf[0] in BODY else ("SE2", 3)
+            sizes.append(BODY[leaf[0]])
+            wanted.append(leaf)
+        else:
+            sizes.append(layout.size)
+            wanted += leaves(space_of(layout, np.array([[-1.0] * 3, [1.0] * 3])))
+    if _flat(given) != _flat(wanted):
         raise ValueError(
-            f"si: a space of {_told(given)}, wanted {_told([x for w in wanted for x in w])};"
+            f"si: a space of {_told(given)}, wanted {_told(wanted)};"
             " fgenv.planners.space_of makes it"
         )
-    sizes = [size_of(space) if layout is None else layout.size for layout in layouts]
     steerings = [Steering() if layout is None else layout.steering for layout in layouts]
     return _core.Checker(
         world._core,
@@ -290,14 +304,9 @@ def checker_of(
 def _layout(world: World, body: Body, steering: str | None) -> Layout | None:
     """None: a body that is no robot."""
     model = world.record(body).robot
+    if model is None and steering not in (None, "straight"):
+        raise ValueError(f"steering: {steering!r}, a body that is no robot goes straight")
     return None if model is None else Layout(model, Steering.of(model, steering))  # type: ignore[arg-type]
-
-
-def _wanted(layout: Layout | None, space: Any) -> list[tuple[str, int]]:
-    if layout is None:
-        return [("SE3", 6) if isinstance(space, ob.SE3StateSpace) else ("SE2", 3)]
-    unit = np.array([[-1.0] * 3, [1.0] * 3])
-    return leaves(space_of(layout, unit))
 
 
 def _flat(parts: list[tuple[str, int]]) -> list[tuple[str, int]]:

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv import _core
 from fgenv.collision import World
+from fgenv.collision.world import TOLERANCE
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, Scenario
 
@@ -44,12 +46,17 @@ class Problem:
         seed: int = 0,
         **overrides: Any,
     ) -> Problem:
-        """From a scenario, its name or its file.
+        """From a scenario, its name or its file; a Problem is what it is.
 
         Args:
             overrides: for `Scenario.load`.
         """
         if isinstance(scenario, Problem):
+            if overrides or margin not in (0.0, scenario.margin) or seed not in (0, scenario.seed):
+                raise ValueError(
+                    "margin, seed, overrides: a Problem has its own, wanted Problem.of(scenario,"
+                    " margin, seed)"
+                )
             return scenario
         if not np.isfinite(margin) or margin < 0:
             raise ValueError(f"margin: {margin}, wanted metres, 0 or more")
@@ -154,19 +161,26 @@ class Problem:
                 seen = self.alone(i) if alone else world
                 if alone:
                     seen.set_configuration(self.names[i], ends[i])
-                if self._fails(seen, i, label):
-                    raise PlanningError(self._conflict(seen, i, label))
+                self.check_there(seen, i, label)
 
-    def _fails(self, world: World, i: int, label: str) -> bool:
-        q = (self.starts if label == "start" else self.goals)[i]
-        return bool(world.collides(self.names[i], q, margin=self.margin))
+    def check_there(self, world: World, i: int, label: str) -> None:
+        """PlanningError where robot i collides as it stands in a world: at its start or goal.
+
+        Its own links may only not touch, whatever the margin.
+        """
+        name, size = [self.names[i]], [self.models[i].nq]
+        one = _core.Checker(
+            world._core, name, size, [0], [1.0], [True], self.margin, TOLERANCE, 0.0
+        )
+        if not one.valid(world.configuration(self.names[i])):
+            raise PlanningError(self._conflict(world, i, label))
 
     def _conflict(self, world: World, i: int, label: str) -> str:
         own = set(world.parts(self.names[i]).tolist())
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
         pairs = world.contacts(margin=self.margin).tolist()
         met = [b if a in own else a for a, b in pairs if a in own or b in own]
-        inside = [names[b] for b in met if b in own]
+        inside = [1 for a, b in world.contacts().tolist() if a in own and b in own]
         others = sorted({names[b].split("/")[0] for b in met if b not in own})
         told = " and ".join(others or (["itself"] if inside else ["something"]))
         near = f", or is closer than the margin of {self.margin:g} m" if self.margin else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -80,8 +81,8 @@ def composite(
     Args:
         which: places of the robots; all if left out.
         planner: of `PLANNERS`.
-        time_limit: seconds, of the search and of shortening together. A planner that looks for
-            the best path takes it all.
+        time_limit: seconds of the search; a planner that looks for the best path takes it all.
+            Shortening comes on top.
         objective: `length`, `clearance` or `time`; None: the planner's own.
         motions: at most so many checks of motions, 0 for any number.
         world: to plan in; a copy of the problem's if left out.
@@ -95,8 +96,13 @@ def composite(
         from fgenv.scenarios.trouble import near
 
         raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
-    if not time_limit > 0:
-        raise ValueError(f"time_limit: {time_limit}, wanted seconds over 0")
+    if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
+        raise ValueError(
+            f"objective: {objective!r} blocks {planner}, whose second thread asks for it;"
+            " wanted 'length', or another planner"
+        )
+    if not 0 < time_limit < math.inf:
+        raise ValueError(f"time_limit: {time_limit}, wanted finite seconds over 0")
     which = tuple(range(len(problem.names)) if which is None else which)
     began = time.perf_counter()
     level = ou.getLogLevel()
@@ -120,8 +126,9 @@ def composite(
     finally:
         ou.setLogLevel(level)
     data = ob.PlannerData(made.getSpaceInformation())
-    made.getPlannerData(data)
-    data.decoupleFromPlanner()  # its states die with the planner
+    if graph or planner != "BITstar":  # asked for it, OMPL 2.0.1's never lets go of the problem
+        made.getPlannerData(data)
+        data.decoupleFromPlanner()  # its states die with the planner
     facts = {
         "planner": planner,
         "seconds": time.perf_counter() - began,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,8 @@ class Steering:
     def __post_init__(self) -> None:
         if self.way not in WAYS:
             raise ValueError(f"steering: {self.way!r}, wanted one of {', '.join(WAYS)}")
+        if not 0 < self.radius < math.inf:
+            raise ValueError(f"steering: radius {self.radius}, wanted finite metres over 0")
 
     @property
     def code(self) -> int:

@@ -19,9 +19,19 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.robots import Car, DifferentialDrive, Drive, Drone, Holonomic, Robot
+from fgenv.robots import (
+    Car,
+    DifferentialDrive,
+    Drive,
+    Drone,
+    Holonomic,
+    JointVelocity,
+    MobileManipulator,
+    Robot,
+)
 from fgenv.robots.driving import changes
 
+from .errors import PlanningError
 from .steering import platform
 
 Floats = NDArray[np.float64]
@@ -29,6 +39,9 @@ Floats = NDArray[np.float64]
 SPEED = 1.0  # m/s of the fastest point of a robot that has no drive
 BEND = 1e-6  # directions that differ less go on straight
 LEAST = 1e-12  # a change that is none
+ALIKE = 0.01  # of a car's speed: chords of one arc differ by less
+CORNER = 2e-3  # of a car's speed: what steps across its chords' corners are off by
+TILT = 1e-5  # radians
 
 
 @dataclass(frozen=True)
@@ -53,8 +66,8 @@ def steps_together(robots: Sequence[Robot], paths: Sequence[Floats], dt: float) 
         paths: (m, nq) each, equally long.
         dt: seconds.
     """
-    cars = all(isinstance(platform(robot.drive), Car) for robot in robots)
     durations, rates, stretches = [], [], [0]
+    before: list[Floats] = []
     for k in range(len(paths[0]) - 1):
         ends = [(path[k], path[k + 1]) for path in paths]
         amounts = [
@@ -64,11 +77,13 @@ def steps_together(robots: Sequence[Robot], paths: Sequence[Floats], dt: float) 
         durations.append(duration)
         hardest = min((a.acceleration / a.change for a in amounts), default=math.inf)
         rates.append(hardest * duration if duration > 0 else math.inf)
-        if k and not all(
-            _goes_on(robot, path[k - 1 : k + 2], cars)
-            for robot, path in zip(robots, paths, strict=True)
-        ):
+        after = [
+            changes(robot, *leg) / max(duration, LEAST)
+            for robot, leg in zip(robots, ends, strict=True)
+        ]
+        if k and not all(map(_goes_on, robots, before, after)):
             stretches.append(k)
+        before = after
     stretches.append(len(durations))
     places = [np.zeros(1)]
     for first, last in pairwise(stretches):
@@ -121,16 +136,18 @@ def _along(robot: Robot, path: Floats, at: Floats) -> Floats:
     return robot.interpolate(path[leg], path[leg + 1], np.clip(at - leg, 0.0, 1.0))
 
 
-def _goes_on(robot: Robot, three: Floats, cars: bool) -> bool:
-    """Whether it may pass the middle one of three way points (3, nq) without a stop.
+def _goes_on(robot: Robot, before: Floats, after: Floats) -> bool:
+    """Whether it may pass a way point without a stop, by its velocities (dof,) on either side.
 
-    A car's chords follow an arc: it stops only where it turns back.
+    A car's chords follow an arc: they may differ in direction, up to where it turns back.
     """
-    before, after = (changes(robot, three[k], three[k + 1]) for k in (0, 1))
-    if cars:
-        return float(before[:2] @ after[:2]) >= 0
-    a, b = float(np.linalg.norm(before)), float(np.linalg.norm(after))
-    return a > LEAST and b > LEAST and float(np.linalg.norm(before / a - after / b)) < BEND
+    if isinstance(platform(robot.drive), Car):
+        a, b = float(np.hypot(*before[:2])), float(np.hypot(*after[:2]))
+        if before[:2] @ after[:2] < 0 or abs(a - b) > ALIKE * max(a, b):
+            return False
+        before, after = before[3:], after[3:]
+    most = float(np.linalg.norm(before) + np.linalg.norm(after))
+    return float(np.linalg.norm(before - after)) <= BEND * most
 
 
 def seconds(amounts: Sequence[Amount]) -> float:
@@ -144,26 +161,38 @@ def amounts_of(robot: Robot, a: Floats, b: Floats, dt: float) -> list[Amount]:
         far = float(robot.distance(a, b))
         return [Amount(far, SPEED, math.inf)] if far > LEAST else []
     change = changes(robot, a, b)
-    drive = platform(robot.drive)
+    n = len(robot.moving_joints)
+    base, joints = change[: len(change) - n], change[len(change) - n :]
+    own = platform(robot.drive)
+    drives_joints = isinstance(robot.drive, (JointVelocity, MobileManipulator))
+    for moves, driven, what in (
+        (base, own is not None and own.base is not None, "base"),
+        (joints, drives_joints, "joints"),
+    ):
+        if not driven and (np.abs(moves) > LEAST).any():
+            raise PlanningError(
+                f"{robot.name!r}: its drive does not move its {what}; give it another, or let start"
+                " and goal have the same"
+            )
     found = []
-    if robot.base != "fixed" and drive is not None:
-        found += _of_base(drive, change, float(a[2]), dt)
-    actions = robot.actions[len(robot.actions) - len(robot.moving_joints) :]
-    moved = change[len(change) - len(robot.moving_joints) :]
-    if robot.moving_joints and len(actions) == len(moved):
+    if own is not None and own.base is not None:
+        found += _of_base(robot.name, own, base, float(a[2]), dt)
+    if drives_joints:
         found += [
-            Amount(abs(d), action.high, action.rate)
-            for d, action in zip(moved.tolist(), actions, strict=True)
+            Amount(abs(by), action.high, action.rate)
+            for by, action in zip(joints.tolist(), robot.actions[-n:], strict=True)
         ]
     return [amount for amount in found if amount.change > LEAST]
 
 
-def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount]:
+def _of_base(name: str, drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount]:
     """What changes of a base. Of speeds a little is kept back where it turns on its way: a step's
     arc is longer than its chord."""
     flat = float(np.hypot(change[0], change[1]))
     if isinstance(drive, Drone):
-        turn = float(np.linalg.norm(change[3:6]))
+        if (np.abs(change[3:5]) > TILT).any():
+            raise PlanningError(f"{name!r}: start or goal is tilted, a drone stays level")
+        turn = abs(float(change[5]))
         room = _arc(drive.turn_rate * dt) if turn > LEAST else 1.0
         climb = drive.speed if drive.climb is None else drive.climb
         return [
@@ -183,7 +212,10 @@ def _of_base(drive: Drive, change: Floats, yaw: float, dt: float) -> list[Amount
         back = drive.speed if drive.reverse is None else drive.reverse
         speed = drive.speed if ahead >= 0 else back
         if isinstance(drive, Car):
-            return [Amount(flat, speed, drive.acceleration)]
+            speed *= 1 - CORNER
+            if not math.isinf(drive.acceleration):
+                speed = min(speed, drive.acceleration * dt / (4 * CORNER))
+            return [Amount(flat, speed, drive.acceleration / 2)]
         return [
             Amount(flat, speed, drive.acceleration),
             Amount(turn, drive.turn_rate, drive.turn_acceleration),

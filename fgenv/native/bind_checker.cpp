@@ -12,7 +12,7 @@ namespace {
 
 using namespace nb::literals;
 
-constexpr int64_t hear = 1024;  // callbacks between two looks for Ctrl-C
+constexpr int64_t hear = 64;  // callbacks between two looks for Ctrl-C
 
 // What is wrong in a callback is kept, and raised when the planner has returned: some planners call from where
 // an exception would end the process.
@@ -37,24 +37,24 @@ public:
 
     bool valid(PyObject* state) {
         return guarded([&] {
+            const auto lock = reading(world_);  // first: waiting for it lets other threads in
             read(state, into_to_);
-            const auto lock = reading(world_);
             return checker.valid(to_.data());
         });
     }
     bool free(PyObject* from, PyObject* to) {
         return guarded([&] {
+            const auto lock = reading(world_);
             read(from, into_from_);
             read(to, into_to_);
-            const auto lock = reading(world_);
             return checker.free(from_.data(), to_.data());
         });
     }
     double clearance(PyObject* state) {
         double found = 0;
         guarded([&] {
-            read(state, into_to_);
             const auto lock = reading(world_);
+            read(state, into_to_);
             found = checker.clearance(to_.data());
             return true;
         });
@@ -189,10 +189,10 @@ constexpr int64_t pause = 16;  // rows between two looks for Ctrl-C
 // One answer a row, as an array, or plain for one row.
 template <class T, class F>
 nb::object answers(const BoundChecker& b, const Broadcast& shape, const F& ask) {
-    const auto lock = reading(b.world_);
     Output<T> out = make_output<T>(shape.dims);
     for (int64_t i = 0; i < shape.size; ++i) {
         if (i % pause == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
+        const auto lock = reading(b.world_);
         out.data[i] = ask(i);
     }
     return shape.dims.empty() ? nb::cast(out.data[0]) : nb::cast(out.array);

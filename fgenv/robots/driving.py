@@ -38,12 +38,24 @@ def changes(robot: Robot, q0: Floats, q1: Floats) -> Floats:
 def actions_between(robot: Robot, q0: Floats, q1: Floats, dt: float) -> Floats:
     """Actions, in their own units, that lead from q0 to q1 (..., nq) in dt seconds, (..., size).
 
-    What a drive cannot do is left out: a differential drive or a car does not go sideways, a drone
-    does not tilt. They are not brought to the limits.
+    What a drive cannot do is left out, see `left_over`. They are not brought to the limits.
 
     Raises:
         ValueError: the robot has no drive.
     """
+    return _driven(robot, q0, q1, dt)[0]
+
+
+def left_over(robot: Robot, q0: Floats, q1: Floats, dt: float) -> Floats:
+    """What the drive cannot do on the way from q0 to q1 (..., nq): (...), m/s or rad/s.
+
+    A differential drive or a car does not go sideways, a car does not turn on the spot, a drone
+    does not tilt.
+    """
+    return _driven(robot, q0, q1, dt)[1]
+
+
+def _driven(robot: Robot, q0: Floats, q1: Floats, dt: float) -> tuple[Floats, Floats]:
     drive = robot.drive
     if drive is None:
         raise ValueError(f"robot: {robot.name!r} has no drive, give its model one")
@@ -51,8 +63,13 @@ def actions_between(robot: Robot, q0: Floats, q1: Floats, dt: float) -> Floats:
     n = len(robot.moving_joints)
     joints = change[..., change.shape[-1] - n :] / dt
     base = drive.platform if isinstance(drive, MobileManipulator) else drive
-    parts = [] if base.base is None else [_base(base, q0, change, dt)]
-    return np.concatenate([*parts, joints] if len(robot.actions) > _size(base) else parts, axis=-1)
+    still = np.abs(change[..., : change.shape[-1] - n]).sum(axis=-1) / dt
+    parts, left = ([], still) if base.base is None else _base(base, q0, change, dt)
+    if len(robot.actions) > _size(base):
+        parts = [*parts, *np.moveaxis(joints, -1, 0)]
+    elif n:
+        left = left + np.abs(joints).sum(axis=-1)
+    return np.stack(parts, axis=-1), left
 
 
 def _size(drive: Drive) -> int:
@@ -61,23 +78,27 @@ def _size(drive: Drive) -> int:
     return next((size for kind, size in sizes.items() if isinstance(drive, kind)), 0)
 
 
-def _base(drive: Drive, q: Floats, change: Floats, dt: float) -> Floats:
+def _base(drive: Drive, q: Floats, change: Floats, dt: float) -> tuple[list[Floats], Floats]:
+    """A base's actions, and what it cannot do."""
     if isinstance(drive, Drone):
         turn = change[..., 5]
         ahead = _in_frame(q, change[..., :3])
         vx, vy = _off_arc(ahead[..., 0], ahead[..., 1], turn, dt)
-        return np.stack([vx, vy, ahead[..., 2] / dt, turn / dt], axis=-1)
+        tilt = np.linalg.norm(change[..., 3:5], axis=-1) / dt
+        return [vx, vy, ahead[..., 2] / dt, turn / dt], tilt
     turn, yaw = change[..., 2], q[..., 2]
     c, s = np.cos(yaw), np.sin(yaw)
     x, y = c * change[..., 0] + s * change[..., 1], c * change[..., 1] - s * change[..., 0]
     vx, vy = _off_arc(x, y, turn, dt)
     if isinstance(drive, Holonomic):
-        return np.stack([vx, vy, turn / dt], axis=-1)
+        return [vx, vy, turn / dt], np.zeros_like(vx)
     if isinstance(drive, DifferentialDrive):
-        return np.stack([vx, turn / dt], axis=-1)
+        return [vx, turn / dt], np.abs(vy)
     assert isinstance(drive, Car)
-    way = np.where(np.abs(vx * dt) > SLOW, vx * dt, np.inf)
-    return np.stack([vx, np.arctan(turn * drive.wheelbase / way)], axis=-1)
+    goes = np.abs(vx * dt) > SLOW
+    way = np.where(goes, vx * dt, np.inf)
+    steering = np.arctan(turn * drive.wheelbase / way)
+    return [vx, steering], np.abs(vy) + np.where(goes, 0.0, np.abs(turn) / dt)
 
 
 def _off_arc(x: Floats, y: Floats, turn: Floats, dt: float) -> tuple[Floats, Floats]:
