@@ -29,6 +29,7 @@ class Run:
         rate: that the clock went on by in the last step.
         steps: of the episode, when it was last looked at.
         waited: steps by which the clock is behind the episode's.
+        held: no step was proved, so that who is off its course stays where it is.
         nearest, stuck: how near each robot that is off its course came (m), and for how many steps
             it has come no nearer.
     """
@@ -39,6 +40,7 @@ class Run:
     rate: float = 1.0
     steps: int = 0
     waited: float = 0.0
+    held: bool = False
     nearest: Floats = field(default_factory=lambda: np.empty(0))
     stuck: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 

@@ -103,7 +103,10 @@ class Planned(Seeing):
             if run.course is not None:
                 late[k] = run.late(off[k], tolerance)
                 self._tick(k, run, q[k], off[k] > tolerance, late[k])
-        return self._lead(q, self._places(q), late & (off > FAR))
+        places, out = self._places(q), off > tolerance
+        stay = out & np.array([run is not None and run.held for run in self._runs])[:, None]
+        places[stay] = q[stay]
+        return self._lead(q, places, late & (off > FAR))
 
     # Episodes
 
@@ -182,7 +185,7 @@ class Planned(Seeing):
     def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
         """The clock goes on, or waits for who is late; who is off its course is `out`."""
         assert run.course is not None
-        last = float(run.course.last)
+        last, run.held = float(run.course.last), False
         if run.rate == 1.0 and run.clock == int(run.clock) and not out.any():
             run.clock = min(run.clock + 1.0, last)
             return
@@ -191,7 +194,7 @@ class Planned(Seeing):
             if self._can(world, run, q, out, clock) and self._free(world, run, q, clock):
                 break
         else:
-            clock = run.clock  # brake as hard as can be
+            clock, run.held = run.clock, True  # brake as hard as can be
         run.rate = 1.0 if clock == last else clock - run.clock
         run.waited, run.clock = run.waited + 1.0 - run.rate, clock
 
