@@ -21,7 +21,6 @@ from fgenv.planners import Plan, PlanningError
 from fgenv.scenarios import Scenario
 
 LATE_BY_WAY_POINTS = 0.05  # metres: a way point 2 cm away is not driven at
-FAR = 0.5  # metres: who is farther off its course comes as `goto` does
 
 
 class PlanWarning(UserWarning):
@@ -106,7 +105,7 @@ class Planned(Seeing):
         places, out = self._places(q), off > tolerance
         stay = out & np.array([run is not None and run.held for run in self._runs])[:, None]
         places[stay] = q[stay]
-        return self._lead(q, places, late & (off > FAR))
+        return self._lead(q, places)
 
     # Episodes
 
@@ -223,20 +222,21 @@ class Planned(Seeing):
         ahead = [run.course.at(clock)[i] for clock in clocks]
         return np.array([q[i, : self.view.robots[i].nq], *ahead])
 
-    def _lead(self, q: Floats, places: Floats, late: Flags) -> Floats:
-        """Actions to places: by the drives turned round; of who is late, as `goto` goes."""
+    def _lead(self, q: Floats, places: Floats) -> Floats:
+        """Actions to places: by the drives turned round, or by way points."""
         view, simulator = self.view, self._simulator
+        backs = np.zeros(q.shape[:2], dtype=bool)
         asked = np.zeros((view.n_worlds, view.n_robots, view.action_size))
         for i, robot in enumerate(view.robots):
             ends = q[:, i, : robot.nq], places[:, i, : robot.nq]
             if simulator.actions == "way_points":
                 own, led = way_points(robot, *ends, view.dt, simulator.way_point_seconds)
-                late[:, i] |= ~led
+                backs[:, i] = ~led
             else:
                 own = drives(robot, *ends, view.dt)
             asked[:, i, : own.shape[1]] = own
-        if late.any():
-            asked[late] = view.toward(places)[late]
+        if backs.any():
+            asked[backs] = view.toward(places)[backs]
         return asked
 
 
