@@ -209,6 +209,7 @@ private:
     struct Sweeping;
     struct Fleet;
     struct Pair;
+    struct Stander;
     struct Meeting {  // of two movers, fractions of the whole motion
         Contact contact;
         BodyId of_a = -1, of_b = -1;
@@ -253,7 +254,9 @@ private:
     std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
     std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
     void count_tests(const std::vector<MotionOutcome>& outcomes) const;
-    std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving, bool standing) const;
+    std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving) const;
+    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects,
+                    int64_t& asked) const;
     bool look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
                  double margin, Suspects& suspects, int64_t& asked) const;
     bool certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,

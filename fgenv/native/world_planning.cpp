@@ -11,10 +11,9 @@ constexpr int64_t most_steps = 10'000'000;  // of a motion that is looked at in 
 constexpr int64_t most_looks = 16;
 constexpr double look = 0.25;  // of the smallest part's radius: a certified motion is looked at so often before
 
-// Fractions of a motion, the whole first, then halves, quarters and so on: k / n for k = 1 to n, each once.
+// Fractions of a motion, halves first, then quarters and so on: k / n for k = 1 to n - 1, each once.
 template <class Visit>
 bool all_of_halving(int64_t n, const Visit& visit) {
-    if (!visit(1.0)) return false;
     int64_t stride = 1;
     while (stride < n) stride *= 2;
     for (; stride > 1; stride /= 2)
@@ -43,13 +42,13 @@ struct World::Pair {
     bool itself() const { return mover == other_mover; }
 };
 
-std::vector<World::Pair> World::pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving, bool standing) const {
+std::vector<World::Pair> World::pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving) const {
     std::vector<Pair> out;
     std::vector<BodyId> others;
     const int32_t n = static_cast<int32_t>(moving.size());
     for (int32_t m = 0; m < n; ++m) {
         const Sweeping& robot = moving[m];
-        if (standing || robot.turns_in_itself)
+        if (robot.turns_in_itself)
             for (const auto& [i, j] : robot.robot->own_pairs)
                 if (overlap(robot.parts[i].swept, robot.parts[j].swept))
                     out.push_back({m, i, m, j, robot.parts[i].body, robot.parts[j].body});
@@ -108,45 +107,116 @@ bool World::certified(const std::vector<Sweeping>& moving, const std::vector<Pai
     return true;
 }
 
+// A part of a mover that stands.
+struct World::Stander {
+    const Body* body;
+    Rigid pose;
+    Box box;  // margin and all
+};
+
 bool World::free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
                     Suspects& suspects) const {
-    std::vector<Sweeping> standing;
-    standing.reserve(robots.size());
-    for (size_t i = 0; i < robots.size(); ++i) standing.push_back(sweeping(body(robots[i]), places[i], places[i], margin));
     int64_t asked = 0;
-    const bool free = look_at(standing, places, ordered(pairs(robots, standing, true), suspects), margin, suspects, asked);
+    const bool free = stand_free(robots, places, margin, suspects, asked);
     tests_.fetch_add(asked, std::memory_order_relaxed);
     return free;
 }
 
+bool World::stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
+                       Suspects& suspects, int64_t& asked) const {
+    std::vector<Stander> parts;
+    std::vector<size_t> begins;
+    std::vector<Box> around(robots.size(), empty_box());
+    for (size_t m = 0; m < robots.size(); ++m) {
+        const Body& robot = body(robots[m]);
+        const Frames frames = frames_at(robot.robot.get(), places[m]);
+        begins.push_back(parts.size());
+        for (BodyId id : robot.parts) {
+            const Body& part = body(id);
+            const Rigid pose = part.in(frames);
+            parts.push_back({&part, pose, widened(posed_box(*part.shape, pose), margin)});
+            grow(around[m], parts.back().box);
+        }
+    }
+    begins.push_back(parts.size());
+    const auto meets = [&](const Stander& a, const Body& b, const Rigid& pose, const Box& box, double wide) {
+        if (!overlap(a.box, box)) return false;
+        ++asked;
+        if (!hits(*a.body->shape, *b.shape, relative(a.pose, pose), wide, true)) return false;
+        suspects = {a.body->id, b.id};
+        return true;
+    };
+    const auto moving = [&](BodyId root) { return std::find(robots.begin(), robots.end(), root) != robots.end(); };
+    const auto first = std::find_if(parts.begin(), parts.end(), [&](const Stander& p) { return p.body->id == suspects.a; });
+    const Body* last = first == parts.end() ? nullptr : find(suspects.b);
+    if (last && last->present && !moving(last->root) && !ignores(*first->body, *last) &&
+        meets(*first, *last, last->pose, last->box, margin))
+        return false;
+    std::vector<BodyId> others;
+    for (size_t m = 0; m < robots.size(); ++m) {
+        for (const auto& [i, j] : body(robots[m]).own_pairs) {
+            const Stander &a = parts[begins[m] + i], &b = parts[begins[m] + j];
+            if (meets(a, *b.body, b.pose, b.box, 0)) return false;
+        }
+        others.clear();
+        candidates(body(robots[m]), around[m], others);
+        for (BodyId id : others) {
+            const Body& other = body(id);
+            if (moving(other.root)) continue;
+            for (size_t i = begins[m]; i < begins[m + 1]; ++i)
+                if (overlap(parts[i].box, other.box) && !ignores(*parts[i].body, other) &&
+                    meets(parts[i], other, other.pose, other.box, margin))
+                    return false;
+        }
+        for (size_t k = m + 1; k < robots.size(); ++k) {
+            if (!overlap(around[m], around[k])) continue;
+            for (size_t i = begins[m]; i < begins[m + 1]; ++i)
+                for (size_t j = begins[k]; j < begins[k + 1]; ++j)
+                    if (overlap(parts[i].box, parts[j].box) && !ignores(*parts[i].body, *parts[j].body) &&
+                        meets(parts[i], *parts[j].body, parts[j].pose, parts[j].box, margin))
+                        return false;
+        }
+    }
+    return true;
+}
+
+// What stands in the way at the end or half way, as most that meet something do, is told before the motion is
+// set up.
 bool World::free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                     const MotionSettings& given, Suspects& suspects) const {
-    std::vector<Sweeping> moving;
-    moving.reserve(robots.size());
-    double speed = 0, size = HUGE_VAL;
-    for (size_t i = 0; i < robots.size(); ++i) {
-        moving.push_back(sweeping(body(robots[i]), from[i], to[i], given.certify.margin));
-        speed = greater(speed, moving[i].speed);
-        for (const Part& p : moving[i].parts) size = lesser(size, p.body->shape->radius);
-    }
-    const std::vector<Pair> near = ordered(pairs(robots, moving, false), suspects);
-    if (near.empty()) return true;
-    const MotionSettings s = given.with_speed(speed);
-    const bool discrete = s.resolution > 0;
-    const double wanted = std::ceil(speed / (discrete ? s.resolution : look * size));
-    if (discrete && !(wanted <= double(most_steps)))
-        throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
-                                    std::to_string(speed) + " m: wanted at most " + std::to_string(most_steps) + " steps");
-    const auto looks = static_cast<int64_t>(lesser(greater(wanted, 1), double(discrete ? most_steps : most_looks)));
+    const bool discrete = given.resolution > 0;
     std::vector<Place> places(robots.size());
     int64_t asked = 0;
-    const bool free = all_of_halving(looks, [&](double t) {
-        for (size_t m = 0; m < robots.size(); ++m)
-            places[m] = t == 1 ? to[m] : between(moving[m].robot->robot.get(), from[m], to[m], t);
-        return look_at(moving, places, near, s.certify.margin, suspects, asked);
-    }) && (discrete || certified(moving, near, s, suspects, asked));
+    const auto at = [&](double t) -> const std::vector<Place>& {
+        for (size_t m = 0; m < robots.size(); ++m) places[m] = between(body(robots[m]).robot.get(), from[m], to[m], t);
+        return places;
+    };
+    const auto free = [&] {
+        if (!stand_free(robots, to, given.certify.margin, suspects, asked)) return false;
+        if (!discrete && !stand_free(robots, at(0.5), given.certify.margin, suspects, asked)) return false;
+        std::vector<Sweeping> moving;
+        moving.reserve(robots.size());
+        double speed = 0, size = HUGE_VAL;
+        for (size_t i = 0; i < robots.size(); ++i) {
+            moving.push_back(sweeping(body(robots[i]), from[i], to[i], given.certify.margin));
+            speed = greater(speed, moving[i].speed);
+            for (const Part& p : moving[i].parts) size = lesser(size, p.body->shape->radius);
+        }
+        const std::vector<Pair> near = ordered(pairs(robots, moving), suspects);
+        if (near.empty()) return true;
+        const MotionSettings s = given.with_speed(speed);
+        const double wanted = std::ceil(speed / (discrete ? s.resolution : look * size));
+        if (discrete && !(wanted <= double(most_steps)))
+            throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
+                                        std::to_string(speed) + " m: wanted at most " + std::to_string(most_steps) + " steps");
+        const auto looks = static_cast<int64_t>(lesser(greater(wanted, 1), double(discrete ? most_steps : most_looks)));
+        return all_of_halving(looks, [&](double t) {
+            return (t == 0.5 && !discrete) || look_at(moving, at(t), near, s.certify.margin, suspects, asked);
+        }) && (discrete || certified(moving, near, s, suspects, asked));
+    };
+    const bool found = free();
     tests_.fetch_add(asked, std::memory_order_relaxed);
-    return free;
+    return found;
 }
 
 bool World::meet(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
