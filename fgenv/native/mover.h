@@ -1,7 +1,9 @@
 // What moves as one: a body with all that it carries, or a robot, which is a kinematic tree.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <utility>
 #include <variant>
 
 #include "link_motion.h"
@@ -46,12 +48,12 @@ private:
     std::variant<RigidMotion, LinkMotion> motion_;
 };
 
-// From place to place, both of which it refers to; outlives the motions of its parts.
+// From place to place, both of which it refers to; outlives the motions of its parts. Not for several threads.
 class MoverMotion {
 public:
     MoverMotion() = default;
     MoverMotion(const Robot* robot, const Place& from, const Place& to)
-        : from_(&from), to_(&to),
+        : robot_(robot), from_(&from), to_(&to),
           tree_(robot ? std::make_unique<RobotMotion>(*robot, from.q.data(), to.q.data()) : nullptr) {}
 
     // Held in the frame of `link` at `offset`; null: the body itself.
@@ -60,9 +62,15 @@ public:
         return RigidMotion(from_->pose, to_->pose, offset);
     }
 
+    // The same of two parts of a robot as seen from the last link that carries both: they are to each other as in
+    // the world, and move less.
+    std::pair<PartMotion, PartMotion> beside(int32_t a, const Rigid* held_a, int32_t b, const Rigid* held_b) const;
+
 private:
+    const Robot* robot_ = nullptr;
     const Place *from_ = nullptr, *to_ = nullptr;
     std::unique_ptr<RobotMotion> tree_;
+    mutable std::map<int32_t, std::unique_ptr<RobotMotion>> seen_from_;  // by that link
 };
 
 }  // namespace fgenv

@@ -61,6 +61,21 @@ Rigid carried(const Joint& joint, const Rigid& at, const double* x) {
     return at;
 }
 
+int32_t common_link(const Robot& robot, int32_t a, int32_t b) {
+    while (a != b) (a > b ? a : b) = robot.joints[greater(a, b)].parent;  // parents come before
+    return a;
+}
+
+std::vector<double> held_up_to(const Robot& robot, int32_t link, const std::vector<double>& q0, std::vector<double> q1) {
+    std::vector<bool> carries(robot.n_links(), false), held(q1.size(), true);
+    for (int32_t i = link; i >= 0; i = robot.joints[i].parent) carries[i] = true;
+    for (int32_t i = 0; i < robot.n_links(); ++i)
+        for (int32_t k = 0; k < size(robot.joints[i].kind) && !carries[i]; ++k) held[robot.joints[i].first + k] = false;
+    for (size_t k = 0; k < q1.size(); ++k)
+        if (held[k]) q1[k] = q0[k];
+    return q1;
+}
+
 void forward(const Robot& robot, const double* q, Rigid* links) {
     for (int32_t i = 0; i < robot.n_links(); ++i) {
         const Joint& joint = robot.joints[i];

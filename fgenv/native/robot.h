@@ -49,6 +49,11 @@ double between(Coordinate kind, double from, double to, double t);
 // Where a joint carries its link from `at`, the joint's frame; `x`: its own coordinates.
 Rigid carried(const Joint& joint, const Rigid& at, const double* x);
 
+// The last link that carries both; a link carries itself.
+int32_t common_link(const Robot& robot, int32_t a, int32_t b);
+// q1 but for the coordinates that move nothing beyond `link` against it: those as in q0.
+std::vector<double> held_up_to(const Robot& robot, int32_t link, const std::vector<double>& q0, std::vector<double> q1);
+
 // Poses of all links in the world.
 void forward(const Robot& robot, const double* q, Rigid* links);
 

@@ -148,7 +148,8 @@ void World::certify_itself(const Sweeping& moving, const MotionSettings& s, Moti
         ++out.checks;
         const Contact before = out.contact;
         int64_t sweeps = 0;
-        find_contact({a.body->shape.get(), &*a.motion}, {b.body->shape.get(), &*b.motion}, 0, 1, s.certify, out.contact, sweeps);
+        const auto [mine, theirs] = moving.motion.beside(a.body->link, a.body->held_at(), b.body->link, b.body->held_at());
+        find_contact({a.body->shape.get(), &*mine}, {b.body->shape.get(), &*theirs}, 0, 1, s.certify, out.contact, sweeps);
         if (!out.contact.replaces(before)) continue;
         out.part = a.body->id;
         out.other = b.body->id;

@@ -1,6 +1,7 @@
 // A world's answers to planners: movers that stand or go all at once, yes or no, what last said no first.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "sweeping.h"
 
@@ -91,15 +92,18 @@ bool World::look_at(const std::vector<Sweeping>& moving, const std::vector<Place
 bool World::certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,
                       Suspects& suspects, int64_t& asked) const {
     for (const Pair& p : pairs) {
-        const PartMotion rest(RigidMotion(p.b->pose, p.b->pose));
-        const PartMotion& theirs = p.other_mover < 0 ? rest : moving[p.other_mover].parts[p.other_part].motion;
+        PartMotion mine = moving[p.mover].parts[p.part].motion, theirs(RigidMotion(p.b->pose, p.b->pose));
         CertifySettings settings = s.certify;
-        if (p.itself()) settings.margin = 0;
+        if (p.itself()) {
+            std::tie(mine, theirs) = moving[p.mover].motion.beside(p.a->link, p.a->held_at(), p.b->link, p.b->held_at());
+            settings.margin = 0;
+        } else if (p.other_mover >= 0) {
+            theirs = moving[p.other_mover].parts[p.other_part].motion;
+        }
         Contact contact;
         int64_t sweeps = 0;
         ++asked;
-        find_contact({p.a->shape.get(), &*moving[p.mover].parts[p.part].motion}, {p.b->shape.get(), &*theirs}, 0, 1,
-                     settings, contact, sweeps);
+        find_contact({p.a->shape.get(), &*mine}, {p.b->shape.get(), &*theirs}, 0, 1, settings, contact, sweeps);
         if (!contact.found) continue;
         suspects = {p.a->id, p.b->id};
         return false;
