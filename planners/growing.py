@@ -83,6 +83,8 @@ def _round(
     moves = _nearest(robot, q)
     if Steering.of(robot).way != "straight":
         ways = [steps_of(robot, legs(robot, q[a], q[b]), dt) for a, b in moves.tolist()]
+        inside = [bool(np.all(robot.valid(way))) for way in ways]  # arcs swing out of the workspace
+        moves, ways = moves[inside], [way for way, ok in zip(ways, inside, strict=True) if ok]
         kept = _free(world, name, ways, margin)
         return Roadmap(robot, q, moves[kept], dt, [ways[i] for i in kept])
     found = world.check_motion(name, q[moves[:, 0]], q[moves[:, 1]], margin=margin, first=False)

@@ -22,7 +22,7 @@ CORNER = 0.03  # of its speed, that a car is off where a step crosses a corner o
 
 def broken_limits(robot: Robot, q: Floats, dt: float) -> str | None:
     """What is wrong with configurations at steps of dt seconds, (k + 1, nq), or None."""
-    outside = ~np.asarray(robot.valid(_turned(robot, q)))
+    outside = ~np.asarray(robot.valid(q))
     if outside.any():
         return f"is beyond its limits at step {int(outside.argmax())}"
     if robot.drive is None or len(q) < 2:
@@ -56,13 +56,3 @@ def wrong_with(problem: Problem, i: int, q: Floats) -> str | None:
         if model.distance(row, end) > THERE:
             return f"does not {told} at its {'start' if told == 'begin' else 'goal'}"
     return broken_limits(model, q, problem.dt)
-
-
-def _turned(robot: Robot, q: Floats) -> Floats:
-    """Workspaces bound where a base is sent, not where it swings on its way: they are not asked."""
-    if robot.workspace is None:
-        return q
-    q = q.copy()
-    place = slice(0, robot.workspace.shape[1])
-    q[:, place] = np.clip(q[:, place], robot.workspace[0], robot.workspace[1])
-    return q

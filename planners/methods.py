@@ -50,7 +50,8 @@ def plan(
         scenario: a name, a file, a Scenario.
         planner: of OMPL, see `fgenv.planners.PLANNERS`; of the methods that search by one.
         time_limit: seconds.
-        seed: of all that is random. The same seed gives the same plan, unless time runs out.
+        seed: of all that is random, also of a built-in scenario that is given by its name. The
+            same seed gives the same plan, unless time runs out.
         simplify: shorten what the planner found, and prove it again.
         method: see `fgenv.planners.METHODS`: `composite`, `prioritized`, `conflict_based`; if left
             out composite for one robot, prioritized for more.

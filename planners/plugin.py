@@ -298,6 +298,7 @@ def checker_of(
         margin,
         TOLERANCE,
         resolution or 0.0,
+        [Layout.room_of(layout) for layout in layouts],
     )
 
 

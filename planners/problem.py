@@ -16,6 +16,7 @@ from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, Scenario
+from fgenv.scenarios.library import ENTRIES
 
 from .errors import PlanningError
 
@@ -49,6 +50,7 @@ class Problem:
         """From a scenario, its name or its file; a Problem is what it is.
 
         Args:
+            seed: of a built-in scenario too, if that is given by its name.
             overrides: for `Scenario.load`.
         """
         if isinstance(scenario, Problem):
@@ -62,6 +64,8 @@ class Problem:
             raise ValueError(f"margin: {margin}, wanted metres, 0 or more")
         if seed < 0:
             raise ValueError(f"seed: {seed}, wanted 0 or more")
+        if isinstance(scenario, str) and scenario in ENTRIES:
+            overrides.setdefault("seed", seed)
         if not isinstance(scenario, Scenario):
             scenario = Scenario.load(scenario, **overrides)
         if not scenario.robots:

@@ -40,6 +40,14 @@ class Layout:
         """Numbers in a state."""
         return self.robot.nq - (3 if self.level else 0)
 
+    @staticmethod
+    def room_of(layout: Layout | None) -> list[float]:
+        """Least x, y and greatest x, y of the base: arcs of a car swing out of where they end."""
+        box = None if layout is None else layout.robot.workspace
+        if box is None:
+            return [-math.inf, -math.inf, math.inf, math.inf]
+        return [float(x) for x in np.asarray(box)[:, :2].ravel()]
+
     def states(self, q: ArrayLike) -> Floats:
         """States (..., size) of configurations (..., nq); angles come to [-pi, pi).
 

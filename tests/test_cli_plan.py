@@ -130,7 +130,7 @@ def test_margins_and_tampering_are_found(fgenv: Shell) -> None:
     np.savez("q.npz", **{**arrays, "id": hash_of(texts, rows)})
     code, _, err = fgenv("verify", "q.npz")
     assert code == errors.BAD_INPUT
-    assert "'robot 1' needs v of" in err
+    assert "'robot 1' goes where its drive cannot" in err
 
 
 def test_no_plan_is_1_and_one_line(fgenv: Shell) -> None:
@@ -156,7 +156,7 @@ def test_no_plan_is_1_and_one_line(fgenv: Shell) -> None:
         ("plan swap --method compsite", "method: 'compsite' is not known; did you mean"),
         ("plan swap --n 1 --planner RTT", "planner: 'RTT' is not known; did you mean 'RRT"),
         ("plan swap --objective speed", "--objective: 'speed', wanted length, clearance, time"),
-        ("plan swap --time-limit 0", "time_limit: 0.0, wanted seconds over 0"),
+        ("plan swap --time-limit 0", "time_limit: 0.0, wanted finite seconds over 0"),
         ("plan swap --margin -1", "margin: -1.0, wanted metres, 0 or more"),
         ("plan swap --out p.json", "--out: p.json, wanted a name that ends in .npz"),
         ("plan swap --out none/p.npz", "--out: none/p.npz; there is no folder none"),

@@ -370,3 +370,16 @@ def test_a_problem_that_is_dropped_is_freed() -> None:
     del made
     gc.collect()
     assert gone() is None
+
+
+def test_a_cars_arcs_stay_in_the_workspace() -> None:
+    robot = cart(Car(wheelbase=0.5, min_turning_radius=1.5, speed=1.0))
+    world = World()
+    world.add_robot(robot, [0, 0, 0])
+    ss = og.SimpleSetup(space_of(Layout(robot, Steering.of(robot))))
+    validator = MotionValidator(ss.getSpaceInformation(), "cart", world)
+    sides = [-2.0, 2.9, 1.0], [2.0, 2.9, -1.0]  # along the wall of the workspace, over a hill
+    rows = legs(robot, *sides)
+    assert rows[:, 1].max() > 3.0
+    assert not validator._core.free(*sides)
+    assert validator._core.free([-2.0, 0.0, 1.0], [2.0, 0.0, -1.0])

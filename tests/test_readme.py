@@ -10,6 +10,7 @@ import trimesh
 from robots import urdf
 
 from fgenv.bench.data import folder
+from fgenv.metrics import Results
 
 PANDA = "panda_description/urdf/panda.urdf"
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -75,6 +76,8 @@ def test_planning_is_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert names["proof"].least > 0.001
     assert names["again"] == names["proof"]
     assert len(names["ways"]) == 4
+    assert names["off"] < 1e-9
+    assert Results.of(names["record"]).success_rate == 1
     assert 0 < names["makespan"] < 60
     assert "no path for robot 1" in names["why"]
     assert names["ready"].haveExactSolutionPath()

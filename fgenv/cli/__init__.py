@@ -29,6 +29,8 @@ EPILOG = """
   fgenv bench pairs                       race the other collision libraries
   fgenv bench world                       the same with many bodies that move
   fgenv bench env                         steps of many robots, against other simulators
+  fgenv bench planners                    OMPL on our checks, on python-fcl's and coal's
+  fgenv bench fleets                      frozen sets of many robots, method by method
   fgenv --install-completion              tab completion for your shell
 
 [bold]Exit codes[/bold]

@@ -129,9 +129,11 @@ nb::object callable(nb::handle self, const char* name) {
 }
 
 std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, const std::vector<int>& sizes,
-                               const std::vector<int>& ways, const std::vector<double>& radii, const std::vector<bool>& reverse) {
+                               const std::vector<int>& ways, const std::vector<double>& radii, const std::vector<bool>& reverse,
+                               const std::vector<std::vector<double>>& rooms) {
     if (sizes.size() != all.size() || ways.size() != all.size() || radii.size() != all.size() || reverse.size() != all.size())
         fail("robots: sizes, ways, radii or reverse of another length");
+    if (!rooms.empty() && rooms.size() != all.size()) fail("rooms: of another length");
     std::vector<Member> out;
     const auto lock = reading(w);
     for (size_t i = 0; i < all.size(); ++i) {
@@ -148,13 +150,16 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
         for (const Member& m : out)
             if (m.id == id) fail("robots: '" + w.body(id).name + "' is named twice");
         out.push_back({id, model, sizes[i], {static_cast<Way>(ways[i]), radii[i], reverse[i]}});
+        if (rooms.empty()) continue;
+        if (rooms[i].size() != 4) fail("rooms: wanted least x, y, greatest x, y of each");
+        for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = rooms[i][k];
     }
     return out;
 }
 
 void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const std::vector<int>& sizes,
                   const std::vector<int>& ways, const std::vector<double>& radii, const std::vector<bool>& reverse,
-                  double margin, double tolerance, double resolution) {
+                  double margin, double tolerance, double resolution, const std::vector<std::vector<double>>& rooms) {
     const World& w = nb::cast<const World&>(world);
     MotionSettings s;
     if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", wanted metres, 0 or more");
@@ -164,7 +169,7 @@ void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const
     s.certify.tolerance = tolerance;
     s.resolution = resolution;
     const AskedBodies all = asked_bodies(robots, "robots");
-    std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse);
+    std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse, rooms);
     if (members.empty()) fail("robots: none, wanted one at least");
     new (self) BoundChecker(std::move(world), std::move(members), s);
 }
@@ -232,7 +237,7 @@ nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb:
 void bind_checker(nb::module_& m) {
     nb::class_<BoundChecker>(m, "Checker")
         .def("__init__", &make_checker, "world"_a, "robots"_a.none(), "sizes"_a, "ways"_a, "radii"_a, "reverse"_a,
-             "margin"_a, "tolerance"_a, "resolution"_a)
+             "margin"_a, "tolerance"_a, "resolution"_a, "rooms"_a = std::vector<std::vector<double>>{})
         .def("serve", [](nb::handle self, nb::object serialize) {
             nb::cast<BoundChecker&>(self).serve(std::move(serialize));
             return nb::make_tuple(callable<&call_valid>(self, "isValid"), callable<&call_free>(self, "checkMotion"),

@@ -64,7 +64,12 @@ bool Checker::free(const double* from, const double* to) {
     if (!world_.free_at(ids_, to_, settings_.certify.margin, suspects_)) return false;
     for (size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];
-        if (m.model) legs(*m.model, m.steering, from_[i].q.data(), to_[i].q.data(), legs_[i]);
+        if (!m.model) continue;
+        legs(*m.model, m.steering, from_[i].q.data(), to_[i].q.data(), legs_[i]);
+        if (m.steering.way == Way::straight) continue;
+        for (size_t row = 0; row < legs_[i].size(); row += m.model->nq())
+            for (int axis = 0; axis < 2; ++axis)
+                if (legs_[i][row + axis] < m.room[0][axis] || legs_[i][row + axis] > m.room[1][axis]) return false;
     }
     // Each goes through its legs in equal times; nobody's leg is cut but where another's ends.
     std::vector<double> ends;

@@ -14,6 +14,7 @@ struct Member {
     std::shared_ptr<const Robot> model;  // null: a body
     int32_t size;                        // how many numbers
     Steering steering;
+    double room[2][2] = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};  // that a car's arcs must not leave
 
     bool level() const { return model && size < model->nq(); }
 };
