@@ -305,8 +305,10 @@ def test_what_goes_wrong_in_a_check_is_raised_after_solve(name: str) -> None:
 
 def test_ctrl_c_stops_a_search_even_under_prm() -> None:
     script = """
+        import signal
         from ompl import geometric as og
         from fgenv.planners import setup
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
         made = setup("doorway", 0)
         made.setPlanner(og.{name}(made.getSpaceInformation()))
         print("begins", flush=True)
