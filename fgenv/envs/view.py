@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.collision import World
 from fgenv.robots import Robot
 
+from .assembly import directions, lidar_of
 from .observations import Part
-from .readings import MOVING
+from .readings import GONE, MOVING
 from .simulator import Simulator
 from .way_points import way_points_toward
 
@@ -84,6 +85,16 @@ class View:
         return np.asarray(self._simulator.status == MOVING)
 
     @property
+    def present(self) -> Flags:
+        """Who is there, (worlds, robots): on the way or parked, not gone."""
+        return np.asarray(self._simulator.status != GONE)
+
+    @property
+    def actions(self) -> str:
+        """What actions are: `drive` or `way_points`."""
+        return self._simulator.actions
+
+    @property
     def action_size(self) -> int:
         """Numbers of the longest action."""
         return self._simulator.action_size
@@ -92,6 +103,14 @@ class View:
     def layouts(self) -> tuple[tuple[Part, ...], ...]:
         """The parts of each robot's row of observations: name, slice, unit, frame, about."""
         return self._simulator.layouts
+
+    def rays(self, robot: int) -> tuple[Floats, Floats, float]:
+        """A robot's lidar: its place (3,) and unit vectors (rays, 3) in the base's frame; range (m)."""
+        spec, built = self._simulator.scenario.robots[robot], self._simulator.built
+        lidar = lidar_of(built.scenario.models[spec.model].lidar, self._simulator.observation)
+        if lidar is None:
+            return np.zeros(3), np.empty((0, 3)), 0.0
+        return np.array(lidar.position), directions(lidar), lidar.range
 
     def toward(self, targets: ArrayLike) -> Floats:
         """Actions that lead straight to configurations (worlds, robots, nq); looks at no obstacle.
