@@ -35,10 +35,8 @@ class Evaluation:
     @property
     def done(self) -> list[int]:
         """Cases that all policies have run."""
-        rows: list[dict[int, Any]] = [
-            self.straight,
-            *(self.episodes.get(name, {}) for name in self.policies),
-        ]
+        rows: list[dict[int, Any]] = [self.episodes.get(name, {}) for name in self.policies]
+        rows.append(self.straight)
         return sorted(set.intersection(*(set(row) for row in rows)))
 
     @property

@@ -22,7 +22,7 @@ def exported(
     simulator: Simulator,
     about: dict[str, Any],
     *,
-    reach: float | None = None,
+    near: float = 0.0,
 ) -> PolicyFile:
     """The network that gives the best action, and the normalisation of what it sees.
 
@@ -31,7 +31,7 @@ def exported(
         normal: the `VecNormalize` that it was trained in; None: it saw observations as they are.
         simulator: that it was trained in.
         about: name, command, seed, scenario, steps.
-        reach: where its actions are added to those of `goto`, see `HomingVecEnv`.
+        near: where `goto` takes over, see `HomingVecEnv`.
 
     Raises:
         ValueError: the network is of another kind.
@@ -54,7 +54,7 @@ def exported(
         "parts": [[part.name, part.slice.stop - part.slice.start] for part in simulator.layouts[0]],
         "actions": simulator.actions,
         "action_names": [list(action[:4]) for action in simulator.robots[0].actions],
-        "reach": reach,
+        "near": near,
         "activation": NAMES[next(iter(kinds))] if kinds else "tanh",
         "clip": clip,
         "versions": {

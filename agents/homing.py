@@ -1,4 +1,4 @@
-"""Rows that learn what to do beside going to the goal: actions are added to those of `goto`."""
+"""Rows that learn how to get near their goals: from there `goto` takes over."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from fgenv.agents.trained import homed
 
 
 class HomingVecEnv(FleetVecEnv):
-    """A `FleetVecEnv` whose actions are what `goto` does, and `reach` times what is asked for.
+    """A `FleetVecEnv` in which `goto` drives who is nearer than `near` to its goal.
 
-    A policy that asks for nothing arrives where nothing is in the way, and learns to avoid from
-    there. With a reach of 2 it can turn what `goto` does into its opposite.
+    To stop at a place and turn as wanted is known: what is to be learned is to avoid others on the
+    way there. `near` is in metres (of a fixed base: radians of all joints together).
     """
 
-    reach = 2.0
+    near = 0.0
 
     def step_wait(self) -> VecEnvStepReturn:
         """See `FleetVecEnv`."""
         simulator = self.simulator
-        shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-        asked, own = self._actions.reshape(shape), simulator.toward(simulator.goals)
-        self._actions = homed(asked, own, self.reach).reshape(self.num_envs, -1)
+        if self.near > 0:
+            shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
+            own = simulator.toward(simulator.goals)
+            asked = homed(self._actions.reshape(shape), own, simulator.remaining, self.near)
+            self._actions = asked.reshape(self.num_envs, -1)
         return super().step_wait()

@@ -107,7 +107,8 @@ class Orca(Seeing):
         to: Floats = goals[..., :2] - q[..., :2]
         far = np.sqrt((to**2).sum(axis=-1))
         rate = np.minimum(self._speeds, far / self.view.dt)
-        return to * np.divide(rate, far, out=np.zeros_like(far), where=far > 0)[..., None]
+        share: Floats = np.divide(rate, far, out=np.zeros_like(far), where=far > 0)[..., None]
+        return to * share
 
     def _discs(self, q: Floats) -> Floats:
         """Rows for the native part, (worlds, robots, 6)."""

@@ -7,15 +7,15 @@ A NumPy `.npz` (a zip of arrays; `numpy.load` reads it), compressed:
     about       JSON: name, command, seed, scenario (name and overrides that it was trained with),
                 steps; observation (what `fgenv.envs.Observation` takes), parts (name and size of
                 each part of a row, in order), actions (drive or way_points), action_names (with
-                unit, lowest and highest: an action of -1 and 1); reach; activation (tanh or relu),
+                unit, lowest and highest: an action of -1 and 1); near; activation (tanh or relu),
                 clip; versions
     mean, std   (inputs,) float64, of the rows of observations: the network sees
                 (row - mean) / std, brought to -clip to clip
     weights_k   (inputs, outputs) float64 of layer k from 0 on
     offsets_k   (outputs,) float64
 
-The last layer's output, brought to [-1, 1], is the action where `reach` is null; else the action
-is what `goto` does and `reach` times the output, brought to [-1, 1] again. All other layers have
+The last layer's output, brought to [-1, 1], is the action; but who is nearer than `near` to its
+goal (metres; of a fixed base radians of all joints) does what `goto` does. All other layers have
 the activation. Arrays are little-endian. There is a fixed number of neighbours; where a scenario
 has fewer robots the missing ones are zeros, as a simulator gives them.
 """

@@ -21,12 +21,15 @@ class Stage:
         starts: `scenario` or `random`, see `Simulator`.
         collision: what a step in contact is worth, in place of the reward's: little at first, or it
             learns to wait where others cross its way.
+        response: to a collision, in place of the scenario's. Where bodies pass each other nobody
+            gets stuck, so that it first learns what the way is worth, and steps are cheaper.
         given: overrides of the scenario (n, jitter...), under those of the command.
     """
 
     share: float
     starts: str = "scenario"
     collision: float | None = None
+    response: str | None = None
     given: Given = field(default_factory=lambda: MappingProxyType({}))
 
 
@@ -38,6 +41,7 @@ class Recipe:
         stages: in order; their shares add up to 1. The last is what the policy is for.
         cases: of a scenario in each stage, each with a seed of its own.
         max_steps: of an episode while it learns.
+        near: metres from the goal at which `goto` takes over; 0: it never does.
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
         n_steps: of each row between two updates; batch, epochs: of an update.
@@ -49,16 +53,17 @@ class Recipe:
     stages: tuple[Stage, ...]
     cases: int = 200
     max_steps: int = 300
+    near: float = 1.0
     steps: int = 4_000_000
     rows: int = 256
-    n_steps: int = 128
-    batch: int = 4096
-    epochs: int = 4
-    learning_rate: float = 5e-4
+    n_steps: int = 64
+    batch: int = 2048
+    epochs: int = 5
+    learning_rate: float = 1e-3
     gamma: float = 0.99
     gae_lambda: float = 0.95
     entropy: float = 0.0
-    log_std: float = -1.5
+    log_std: float = -0.5
     hidden: tuple[int, ...] = (64, 64)
     activation: str = "tanh"
 
@@ -72,24 +77,33 @@ SWAP = Recipe(
     AMONG_ROBOTS,
     PAID,
     (
-        Stage(0.3, collision=-0.3, given=MappingProxyType({"n": 4, "jitter": 0.3})),
-        Stage(0.7, collision=-0.5, given=MappingProxyType({"n": 8, "jitter": 0.3})),
+        Stage(
+            0.4, collision=-0.5, response="pass", given=MappingProxyType({"n": 4, "jitter": 0.3})
+        ),
+        Stage(
+            0.4, collision=-1.0, response="pass", given=MappingProxyType({"n": 8, "jitter": 0.3})
+        ),
+        Stage(0.2, collision=-1.0, given=MappingProxyType({"n": 8, "jitter": 0.3})),
     ),
 )
 RANDOM = Recipe(
     AMONG_WALLS,
     PAID,
     (
-        Stage(0.2, "random", -0.1, MappingProxyType({"n": 4, "fill": 0.2})),
-        Stage(0.3, collision=-0.2, given=MappingProxyType({"fill": 0.4})),
+        Stage(0.2, "random", -0.5, "pass", MappingProxyType({"n": 4, "fill": 0.2})),
+        Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"fill": 0.4})),
         Stage(0.5),
     ),
 )
 WALLS = Recipe(
-    AMONG_WALLS, PAID, (Stage(0.3, collision=-0.2, given=MappingProxyType({"n": 2})), Stage(0.7))
+    AMONG_WALLS,
+    PAID,
+    (Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"n": 2})), Stage(0.7)),
 )
 SPACE = Recipe(
-    IN_SPACE, PAID, (Stage(0.3, collision=-0.2, given=MappingProxyType({"n": 2})), Stage(0.7))
+    IN_SPACE,
+    PAID,
+    (Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"n": 2})), Stage(0.7)),
 )
 ANY = Recipe(AMONG_WALLS, PAID, (Stage(1.0),))
 

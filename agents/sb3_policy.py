@@ -23,8 +23,8 @@ class Sb3Policy(Seeing):
 
     Needs the extra `agents`. Observations are normalised by the `VecNormalize` that
     `envs.save(...)` wrote to the file of the same name with the suffix `.pkl`, if there is one.
-    Both hold pickles: use only files that you trust. What it observes, and whether its actions are
-    added to those of `goto`, is in the `.json` that `fgenv train` wrote beside it; without one it
+    Both hold pickles: use only files that you trust. What it observes, and where `goto` takes over,
+    is in the `.json` that `fgenv train` wrote beside it; without one it
     takes what the simulator gives.
 
     Raises:
@@ -38,11 +38,11 @@ class Sb3Policy(Seeing):
 
         kind = kind_of(path)
         self._model: Any = getattr(stable_baselines3, kind).load(path, device="cpu")
-        about: dict[str, Any] = {"reach": None, "observation": None, "actions": "drive"}
+        about: dict[str, Any] = {"near": 0.0, "observation": None, "actions": "drive"}
         said = path.with_suffix(".json")
         if said.exists():
             about |= json.loads(said.read_text(encoding="utf-8"))
-        self._reach: Any = about["reach"]
+        self._near = float(about["near"])
         self.actions: Any = about["actions"]
         if about["observation"] is not None:
             self.observation = Observation(**about["observation"])
@@ -80,7 +80,9 @@ class Sb3Policy(Seeing):
         found, _ = self._model.predict(rows, deterministic=True)
         asked = np.asarray(found, dtype=np.float64).reshape(*observations.shape[:2], -1)
         view = self.view
-        return asked if self._reach is None else homed(asked, view.toward(view.goals), self._reach)
+        if self._near <= 0:
+            return asked
+        return homed(asked, view.toward(view.goals), view.remaining, self._near)
 
 
 def kind_of(path: Path) -> str:

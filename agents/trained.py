@@ -73,14 +73,13 @@ class Trained(Seeing):
                 rows[:, i, into] = observations[:, i, of]
         seen = np.clip((rows - file.mean) / file.std, -self._clip, self._clip)
         found = np.clip(self._network.run(seen, None), -1.0, 1.0)
-        reach = file.about["reach"]
-        return found if reach is None else homed(found, view.toward(view.goals), reach)
+        near = file.about["near"]
+        return homed(found, view.toward(view.goals), view.remaining, near) if near > 0 else found
 
 
-def homed(asked: Floats, own: Floats, reach: float) -> Floats:
-    """What `goto` does, and `reach` times what is asked for, in [-1, 1]."""
-    found: Floats = np.clip(own + reach * np.asarray(asked, dtype=np.float64), -1.0, 1.0)
-    return found
+def homed(asked: Floats, own: Floats, remaining: Floats, near: float) -> Floats:
+    """What is asked for, but what `goto` does where less than `near` remains to the goal."""
+    return np.where((remaining < near)[..., None], own, np.asarray(asked, dtype=np.float64))
 
 
 def fitted(

@@ -92,7 +92,7 @@ class Training:
 
     def __init__(self, wanted: Wanted, folder: Path, *, resume: bool = False) -> None:
         self.wanted, self.folder = wanted, folder
-        self.steps, self.next = 0, wanted.every
+        self.steps, self.next, self.checked = 0, wanted.every, 0
         self.best: Check | None = None
         self.model: Any = None
         self.normal: Any = None
@@ -131,12 +131,13 @@ class Training:
             self.steps = self.model.num_timesteps
         if self.model is None:  # resumed at its end
             return PolicyFile.load(self.folder / "policy.npz")
-        self.check(progress)
+        if self.steps > self.checked:
+            self.check(progress)
         return PolicyFile.load(self.folder / "policy.npz")
 
     def check(self, progress: Callable[[int, Check | None], object] | None = None) -> Check:
         """Evaluate, and write what there is; the policy where it is better than before."""
-        self.next = self.steps + self.wanted.every
+        self.next, self.checked = self.steps + self.wanted.every, self.steps
         file, most = self.export(), self.wanted.recipe.max_steps
         found = checked(Trained(file), self._cases, self.steps, most)
         if self.best is None or found.rank > self.best.rank:
@@ -161,14 +162,14 @@ class Training:
             "steps": self.steps,
         }
         envs = self.normal.venv
-        return exported(self.model, self.normal, envs.simulator, about, reach=envs.reach)
+        return exported(self.model, self.normal, envs.simulator, about, near=envs.near)
 
     def save(self) -> None:
         """Write what is needed to go on."""
         self.model.save(self.folder / "model.zip")
         self.normal.save(str(self.folder / "model.pkl"))
         about = self.export().about
-        told = {name: about[name] for name in ("observation", "actions", "reach")}
+        told = {name: about[name] for name in ("observation", "actions", "near")}
         (self.folder / "model.json").write_text(json.dumps(told), encoding="utf-8")
         state = {**self.settings, "steps": self.steps, "best": self.best and asdict(self.best)}
         half = self.folder / ".training.json.part"
@@ -183,7 +184,8 @@ class Training:
         for name, value in json.loads(json.dumps(self.settings, default=list)).items():
             if state[name] != value:
                 raise ValueError(f"--resume: {name} was {state[name]}, wanted the same again")
-        self.steps = state["steps"]
+        self.steps = self.checked = state["steps"]
+        self.next = self.steps + self.wanted.every
         self.best = state["best"] and Check(**state["best"])
 
     def _check_cases(self) -> FrozenSet | None:
@@ -223,8 +225,8 @@ class Training:
             source, given = frozen(source, cases=recipe.cases, seed=seed, **given), {}
         else:
             source, given = Scenario.load(source, **given), {}
-        robots = len((source.template if isinstance(source, FrozenSet) else source).robots)
-        return HomingVecEnv(
+        source, robots = responding(source, stage.response)
+        envs = HomingVecEnv(
             source,
             max(1, recipe.rows // robots),
             observation=recipe.observation,
@@ -232,6 +234,8 @@ class Training:
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
+        envs.near = recipe.near
+        return envs
 
 
 class Ear(BaseCallback):
@@ -290,6 +294,15 @@ def checked(policy: Trained, cases: FrozenSet | None, steps: int, most: int) -> 
         float(np.mean([robot.collisions > 0 for robot in robots])),
         float(np.mean(spans)) if spans else 0.0,
     )
+
+
+def responding(source: Any, response: str | None) -> tuple[Any, int]:
+    """A scenario or a set of it with another response to collisions; and how many robots."""
+    change = {} if response is None else {"on_collision": response}
+    if isinstance(source, FrozenSet):
+        template = source.template.model_copy(update=change)
+        return replace(source, template=template), len(template.robots)
+    return source.model_copy(update=change), len(source.robots)
 
 
 def paid(reward: Reward, collision: float | None) -> Reward:

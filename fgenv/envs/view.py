@@ -80,6 +80,11 @@ class View:
         return self._simulator.velocities
 
     @property
+    def remaining(self) -> Floats:
+        """To the goals, (worlds, robots): metres; of a fixed base radians of all joints together."""
+        return self._simulator.remaining
+
+    @property
     def moving(self) -> Flags:
         """Who is still on the way, (worlds, robots): not parked at its goal, and not gone."""
         return np.asarray(self._simulator.status == MOVING)
@@ -105,7 +110,7 @@ class View:
         return self._simulator.layouts
 
     def rays(self, robot: int) -> tuple[Floats, Floats, float]:
-        """A robot's lidar: its place (3,) and unit vectors (rays, 3) in the base's frame; range (m)."""
+        """A robot's lidar, base's frame: its place (3,), unit vectors (rays, 3), and range (m)."""
         spec, built = self._simulator.scenario.robots[robot], self._simulator.built
         lidar = lidar_of(built.scenario.models[spec.model].lidar, self._simulator.observation)
         if lidar is None:
