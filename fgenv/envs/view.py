@@ -81,7 +81,7 @@ class View:
 
     @property
     def remaining(self) -> Floats:
-        """To the goals, (worlds, robots): metres; of a fixed base radians of all joints together."""
+        """To the goals, (worlds, robots): metres; of a fixed base radians of all joints."""
         return self._simulator.remaining
 
     @property
