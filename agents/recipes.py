@@ -24,6 +24,8 @@ class Stage:
         response: to a collision, in place of the scenario's. Where bodies pass each other nobody
             gets stuck, so that it first learns what the way is worth, and steps are cheaper.
         given: overrides of the scenario (n, jitter...), under those of the command.
+        mix: several of them, over `given`, of which rows have equal shares; what it learns in one
+            alone it forgets in the next.
     """
 
     share: float
@@ -31,6 +33,7 @@ class Stage:
     collision: float | None = None
     response: str | None = None
     given: Given = field(default_factory=lambda: MappingProxyType({}))
+    mix: tuple[Given, ...] = (MappingProxyType({}),)
 
 
 @dataclass(frozen=True)
@@ -73,18 +76,17 @@ AMONG_ROBOTS = Observation(lidar=False, neighbours=3, pad=True)
 AMONG_WALLS = Observation(rays=16, lidar_range=4.0, neighbours=4, pad=True)
 IN_SPACE = Observation(neighbours=4, pad=True)
 
+JITTERED = MappingProxyType({"jitter": 0.3})
+SIZES = tuple(MappingProxyType({"n": n}) for n in (4, 6, 8))
 SWAP = Recipe(
     AMONG_ROBOTS,
     PAID,
     (
-        Stage(
-            0.4, collision=-0.5, response="pass", given=MappingProxyType({"n": 4, "jitter": 0.3})
-        ),
-        Stage(
-            0.4, collision=-1.0, response="pass", given=MappingProxyType({"n": 8, "jitter": 0.3})
-        ),
-        Stage(0.2, collision=-1.0, given=MappingProxyType({"n": 8, "jitter": 0.3})),
+        Stage(0.4, collision=-0.5, response="pass", given=JITTERED, mix=SIZES),
+        Stage(0.4, collision=-1.0, response="pass", given=JITTERED, mix=SIZES),
+        Stage(0.2, collision=-1.0, given=JITTERED, mix=SIZES),
     ),
+    steps=5_000_000,
 )
 RANDOM = Recipe(
     AMONG_WALLS,

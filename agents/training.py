@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -30,6 +30,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from fgenv.agents.episodes import run_cases
 from fgenv.agents.exporting import exported
 from fgenv.agents.homing import HomingVecEnv
+from fgenv.agents.mixed import MixedVecEnv
 from fgenv.agents.policy_file import PolicyFile
 from fgenv.agents.recipes import Recipe, Stage
 from fgenv.agents.trained import Trained
@@ -37,7 +38,7 @@ from fgenv.envs import Reward
 from fgenv.scenarios import FrozenSet, Scenario, frozen
 
 LEARN, CHECK = 10_000_000, 3_000_000  # seeds of cases, far from those of evaluation sets
-CHECKED = 20  # cases of an evaluation while it learns
+CHECKED = 30  # cases of an evaluation while it learns
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
 HEAD = "steps,success,robot_success,collision,seconds\n"
 
@@ -161,7 +162,7 @@ class Training:
             "scenario": {"name": wanted.scenario, **wanted.overrides},
             "steps": self.steps,
         }
-        envs = self.normal.venv
+        envs = self.normal.venv.parts[0]
         return exported(self.model, self.normal, envs.simulator, about, near=envs.near)
 
     def save(self) -> None:
@@ -188,12 +189,18 @@ class Training:
         self.next = self.steps + self.wanted.every
         self.best = state["best"] and Check(**state["best"])
 
-    def _check_cases(self) -> FrozenSet | None:
-        """Cases of the last stage that it does not learn from; None of a file."""
-        if not built_in(self.wanted.scenario):
-            return None
-        given = {**self.wanted.recipe.stages[-1].given, **self.wanted.overrides}
-        return frozen(self.wanted.scenario, cases=CHECKED, seed=CHECK, **given)
+    def _given(self, stage: Stage) -> list[dict[str, Any]]:
+        """Overrides of the scenario in each part of a stage; those that are the same once."""
+        every = [{**stage.given, **own, **self.wanted.overrides} for own in stage.mix]
+        return [given for k, given in enumerate(every) if given not in every[:k]]
+
+    def _check_cases(self) -> list[FrozenSet]:
+        """Cases of the last stage that it does not learn from; none of a file."""
+        name, parts = self.wanted.scenario, self._given(self.wanted.recipe.stages[-1])
+        if not built_in(name):
+            return []
+        many = -(-CHECKED // len(parts))
+        return [frozen(name, cases=many, seed=CHECK, **given) for given in parts]
 
     def _begin(self, number: int, stage: Stage) -> None:
         """The environment of a stage, and the model in it."""
@@ -212,23 +219,30 @@ class Training:
             if self.model is not None:
                 self.model.save(self.folder / "model.zip")
             self.model = PPO.load(self.folder / "model.zip", env=self.normal, device="cpu")
+            self.model.batch_size = batch_of(self.wanted.recipe, self.normal.num_envs)
             set_random_seed(seed)
         self.normal.seed(seed)
         kinds = ["csv", *(["tensorboard"] if find_spec("tensorboard") else [])]
         self.model.set_logger(configure(str(self.folder / "log" / f"{number}-{self.steps}"), kinds))
 
-    def _envs(self, number: int, stage: Stage) -> HomingVecEnv:
-        recipe, given = self.wanted.recipe, {**stage.given, **self.wanted.overrides}
+    def _envs(self, number: int, stage: Stage) -> MixedVecEnv:
+        seed = LEARN + 100_000 * self.wanted.seed + 10_000 * number
+        parts = self._given(stage)
+        rows = self.wanted.recipe.rows // len(parts)
+        return MixedVecEnv([self._part(stage, given, rows, seed) for given in parts])
+
+    def _part(self, stage: Stage, given: dict[str, Any], rows: int, seed: int) -> HomingVecEnv:
+        """About so many rows of a scenario."""
         source: Any = self.wanted.scenario
+        recipe = self.wanted.recipe
         if built_in(source):
-            seed = LEARN + 100_000 * self.wanted.seed + 10_000 * number
-            source, given = frozen(source, cases=recipe.cases, seed=seed, **given), {}
+            source = frozen(source, cases=recipe.cases, seed=seed, **given)
         else:
-            source, given = Scenario.load(source, **given), {}
+            source = Scenario.load(source, **given)
         source, robots = responding(source, stage.response)
         envs = HomingVecEnv(
             source,
-            max(1, recipe.rows // robots),
+            max(1, rows // robots),
             observation=recipe.observation,
             reward=paid(recipe.reward, stage.collision),
             starts=stage.starts,
@@ -264,7 +278,7 @@ def model_of(recipe: Recipe, envs: Any, seed: int) -> PPO:
         "MlpPolicy",
         envs,
         n_steps=recipe.n_steps,
-        batch_size=recipe.batch,
+        batch_size=batch_of(recipe, envs.num_envs),
         n_epochs=recipe.epochs,
         learning_rate=recipe.learning_rate,
         gamma=recipe.gamma,
@@ -280,11 +294,19 @@ def model_of(recipe: Recipe, envs: Any, seed: int) -> PPO:
     )
 
 
-def checked(policy: Trained, cases: FrozenSet | None, steps: int, most: int) -> Check:
-    """How it does in cases that it does not learn from."""
-    if cases is None:
+def batch_of(recipe: Recipe, rows: int) -> int:
+    """The greatest size of equal batches, up to that of the recipe."""
+    samples = rows * recipe.n_steps
+    return next(b for b in range(min(recipe.batch, samples), 0, -1) if samples % b == 0)
+
+
+def checked(policy: Trained, cases: Sequence[FrozenSet], steps: int, most: int) -> Check:
+    """How it does in cases that it does not learn from; where there are none the last is best."""
+    if not cases:
         return Check(steps, float(steps), 0.0, 0.0, 0.0)
-    found = run_cases(cases, policy, range(len(cases)), clearance=False, max_steps=most)
+    found = []
+    for each in cases:
+        found += run_cases(each, policy, range(len(each)), clearance=False, max_steps=most)
     robots = [robot for episode in found for robot in episode.results.robots]
     spans = [e.results.makespan for e in found if e.success and e.results.makespan is not None]
     return Check(
