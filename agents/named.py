@@ -12,11 +12,13 @@ where `make(argument, seed)` returns a policy: for `--policy mine` the argument 
 from __future__ import annotations
 
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from fgenv.envs import Policy
 
 GROUP = "fgenv.policies"
+FOLDER = Path(__file__).parent / "policies"
 
 
 def named(name: str, seed: int) -> Policy | None:
@@ -29,7 +31,10 @@ def named(name: str, seed: int) -> Policy | None:
     kind, _, argument = name.partition(":")
     if kind in ("mlp", "sb3"):
         if not argument:
-            raise ValueError(f"policy: {name!r}, wanted {kind}:FILE")
+            come = ", ".join(f"mlp:{own}" for own in shipped())
+            raise ValueError(
+                f"policy: {name!r}, wanted {kind}:FILE, or one that comes along: {come}"
+            )
         return from_file(kind, argument)
     for point in entry_points(group=GROUP, name=kind):
         return checked(point.load()(argument, seed), name)
@@ -37,14 +42,19 @@ def named(name: str, seed: int) -> Policy | None:
 
 
 def from_file(kind: str, path: str) -> Policy:
-    """A trained network, or a model of Stable-Baselines3."""
+    """A trained network, also one that comes along, or a model of Stable-Baselines3."""
     if kind == "mlp":
         from fgenv.agents.trained import Trained
 
-        return Trained.load(path)
+        return Trained.load(shipped().get(path, path))
     from fgenv.agents.sb3_policy import Sb3Policy
 
     return Sb3Policy(path)
+
+
+def shipped() -> dict[str, Path]:
+    """Networks that come along, by name."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.npz"))}
 
 
 def checked(made: Any, name: str) -> Policy:

@@ -98,7 +98,9 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         made(activation="gelu")
     with pytest.raises(PolicyError, match=r"mean, std: wanted \(6,\)"):
         made(parts=[["goal", 4], ["velocity", 2]])
-    with pytest.raises(ValueError, match="policy: 'mlp:', wanted mlp:FILE"):
+    with pytest.raises(
+        ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:swap"
+    ):
         policy_of("mlp:")
     (tmp_path / "model.zip").write_bytes(b"no zip")
     pytest.importorskip("stable_baselines3")
