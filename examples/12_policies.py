@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fgenv.agents import POLICIES, evaluate, policy_of, run_episode
+from fgenv.agents import POLICIES, Trained, evaluate, run_episode
 from fgenv.agents.recipes import Stage, recipe_of
 from fgenv.agents.training import Training, Wanted
 from fgenv.envs import Simulator, View
@@ -34,7 +34,7 @@ short = replace(recipe_of("swap"), stages=(Stage(1.0, "random"),), cases=5, rows
 wanted = Wanted("swap", short, {"n": 2}, steps=20_000, every=20_000)
 Training(wanted, Path("swap")).run()  # as fgenv train does
 
-policy = policy_of("mlp:swap/policy.npz")  # no PyTorch from here on
+policy = Trained.load("swap/policy.npz")  # no PyTorch from here on
 simulator = Simulator("swap", n=2, observation=policy.observation, autoreset=False)
 record = run_episode(simulator, policy)
 assert len(record) > 10
