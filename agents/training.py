@@ -21,8 +21,9 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3 import PPO
+from stable_baselines3.common import logger
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.logger import SummaryWriter, configure
+from stable_baselines3.common.logger import configure
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
@@ -221,7 +222,7 @@ class Training:
             self.model.batch_size = batch_of(self.wanted.recipe, self.normal.num_envs)
             set_random_seed(seed)
         self.normal.seed(seed)
-        kinds = ["csv", *(["tensorboard"] if SummaryWriter is not None else [])]
+        kinds = ["csv", *(["tensorboard"] if getattr(logger, "SummaryWriter", None) else [])]
         self.model.set_logger(configure(str(self.folder / "log" / f"{number}-{self.steps}"), kinds))
 
     def _envs(self, number: int, stage: Stage) -> MixedVecEnv:
