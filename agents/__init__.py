@@ -5,15 +5,19 @@ from typing import TYPE_CHECKING, Any
 
 from fgenv.agents.drive import Drive, drive
 from fgenv.agents.episode import run_episode
+from fgenv.agents.evaluation import Evaluation, evaluate
 from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Replanned
 from fgenv.agents.experiment import Experiment, run_experiment
 from fgenv.agents.facts import facts
 from fgenv.agents.goto import GoTo
+from fgenv.agents.orca import Orca
 from fgenv.agents.path_follower import PathFollower
 from fgenv.agents.policy import POLICIES, policy_of
+from fgenv.agents.policy_file import PolicyError, PolicyFile
 from fgenv.agents.random_policy import RandomPolicy
 from fgenv.agents.replan import Journey, drive_and_replan
 from fgenv.agents.rest import Rest
+from fgenv.agents.trained import Trained
 from fgenv.envs import Policy
 
 if TYPE_CHECKING:
@@ -28,6 +32,7 @@ __all__ = [
     "POLICIES",
     "Arrived",
     "Drive",
+    "Evaluation",
     "Experiment",
     "FleetVecEnv",
     "GoTo",
@@ -35,16 +40,21 @@ __all__ = [
     "Journey",
     "MasksCleared",
     "MasksSet",
+    "Orca",
     "PathFollower",
     "PlanWarning",
     "Planned",
     "Policy",
+    "PolicyError",
+    "PolicyFile",
     "RandomPolicy",
     "Replanned",
     "Replanning",
     "Rest",
+    "Trained",
     "drive",
     "drive_and_replan",
+    "evaluate",
     "facts",
     "policy_of",
     "run_episode",

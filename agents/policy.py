@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fgenv.agents.goto import GoTo
+from fgenv.agents.named import named
+from fgenv.agents.orca import Orca
 from fgenv.agents.random_policy import RandomPolicy
 from fgenv.agents.rest import Rest
 from fgenv.envs import Policy
@@ -31,34 +33,43 @@ def _replanning(seed: int, rest: str = "") -> Planned:
 
 POLICIES: dict[str, Callable[[int], Policy]] = {
     "goto": lambda seed: GoTo(),
+    "orca": lambda seed: Orca(),
     "random": RandomPolicy,
     "rest": lambda seed: Rest(),
     "plan": _planned,
     "replan": _replanning,
 }
 PLANNING: dict[str, Callable[[int, str], Policy]] = {"plan": _planned, "replan": _replanning}
-FORMS = "goto, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]]"
+FORMS = (
+    "goto, orca, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]],"
+    " mlp:FILE.npz, sb3:FILE.zip"
+)
 
 
 def policy_of(name: str, seed: int = 0) -> Policy:
-    """A built-in policy.
+    """A built-in policy, one from a file, or one that another package has registered.
 
     Args:
         name: of `POLICIES`. `plan` and `replan` may say how to plan: `plan:prioritized`,
             `plan:composite:PRM`; or which plan file to drive: `plan:FILE.npz`.
+            `mlp:FILE`, `sb3:FILE` and those of other packages: see `fgenv.agents.named`.
         seed: of what is random in it, 0 or more.
 
     Raises:
-        ValueError: no policy, method or planner has that name, or the seed is below 0.
-        PlanError, FileNotFoundError: no such plan.
+        ValueError: no policy, method or planner has that name, the seed is below 0, or a file
+            cannot be used.
+        PlanError, FileNotFoundError: no such plan, or file.
     """
     kind, _, rest = name.partition(":")
+    if seed < 0:
+        raise ValueError(f"seed: {seed}, wanted 0 or more")
     if kind not in POLICIES:
+        found = named(name, seed)
+        if found is not None:
+            return found
         raise ValueError(f"policy: {name!r} is not known; {near(kind, POLICIES)}")
     if rest and kind not in PLANNING:
         raise ValueError(f"policy: {name!r}, {kind!r} takes nothing after it; wanted {kind!r}")
-    if seed < 0:
-        raise ValueError(f"seed: {seed}, wanted 0 or more")
     return PLANNING[kind](seed, rest) if rest else POLICIES[kind](seed)
 
 

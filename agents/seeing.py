@@ -1,11 +1,16 @@
 """What policies share that look at more than their observations."""
 
-from fgenv.envs import View
+from fgenv.envs import Observation, View
 
 
 class Seeing:
-    """Keeps the view that it was reset with."""
+    """Keeps the view that it was reset with.
 
+    Attributes:
+        observation: what it wants the simulator to let robots observe; None: whatever it does.
+    """
+
+    observation: Observation | None = None
     _view: View | None = None
 
     def reset(self, view: View) -> None:

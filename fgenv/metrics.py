@@ -40,6 +40,10 @@ class RobotResult:
         """Whether it came to its goal and met nothing."""
         return self.arrival is not None and self.collisions == 0
 
+    def seconds_on_way(self, seconds: float) -> float:
+        """Until it was at its goal, else until the episode ended after so many seconds."""
+        return seconds if self.arrival is None else self.arrival
+
 
 @dataclass(frozen=True)
 class Results:

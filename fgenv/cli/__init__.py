@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, plan, run, scenarios, validate, verify
+from fgenv.cli import bench, compare, eval, plan, run, scenarios, train, validate, verify
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -22,6 +22,9 @@ EPILOG = """
   fgenv plan doorway --n 4 --out p.npz    paths for all robots, timed and proved
   fgenv verify p.npz                      prove them again, from the file alone
   fgenv run doorway --n 4 --policy plan:p.npz
+  fgenv eval swap --n 8 --set jitter=0.2 --policy orca --policy goto
+  fgenv train swap --out out/swap         a policy of your own, for
+  fgenv run swap --policy mlp:out/swap/policy.npz
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file
@@ -74,6 +77,8 @@ def _common(
 
 
 app.command()(run.run)
+app.command("eval")(eval.evaluate)
+app.command()(train.train)
 app.command()(plan.plan)
 app.command()(verify.verify)
 app.command()(scenarios.scenarios)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli import bench_env, bench_fleets, bench_planners, bench_world
+from fgenv.cli import bench_env, bench_fleets, bench_planners, bench_train, bench_world
 from fgenv.cli.options import Json, Seed
 
 app = typer.Typer(
@@ -22,6 +22,7 @@ app.command()(bench_world.world)
 app.command()(bench_env.env)
 app.command()(bench_planners.planners)
 app.command()(bench_fleets.fleets)
+app.command()(bench_train.train)
 
 
 @app.command("pairs")

@@ -52,7 +52,7 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
     policy = policy_of(wanted.policy, wanted.seed)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        simulator = simulator_of(context, wanted)
+        simulator = simulator_of(context, wanted, policy)
     strictly(policy)
     began = time.perf_counter()
     record, interrupted = episode(simulator, policy, wanted, console)
@@ -117,8 +117,8 @@ def is_planning_error(error: RuntimeError) -> bool:
     return isinstance(error, PlanningError)
 
 
-def simulator_of(context: typer.Context, wanted: Wanted) -> Simulator:
-    """The simulator, with one world."""
+def simulator_of(context: typer.Context, wanted: Wanted, policy: Any) -> Simulator:
+    """The simulator, with one world; robots observe and act as the policy wants it."""
     from fgenv.envs import Simulator
     from fgenv.scenarios.library import ENTRIES
 
@@ -131,6 +131,9 @@ def simulator_of(context: typer.Context, wanted: Wanted) -> Simulator:
         raise typer.BadParameter(told, ctx=context, param_hint="SCENARIO")
     if not of_file or (wanted.seed != 0 and Path(name).suffix != ".npz"):
         overrides.setdefault("seed", wanted.seed)
+    for key in ("observation", "actions"):
+        if getattr(policy, key, None) is not None:
+            overrides.setdefault(key, getattr(policy, key))
     return Simulator(name, clearance=True, autoreset=False, **overrides)
 
 

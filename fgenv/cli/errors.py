@@ -27,6 +27,7 @@ EXTRA_OF = {
     "igl": "dev",
     "scipy": "bench",
     "stable_baselines3": "agents",
+    "supersuit": "bench",
     "torch": "agents",
     "vmas": "bench",
 }

@@ -43,8 +43,8 @@ def run(
         str | None,
         typer.Option(
             "--policy",
-            help="What acts: goto, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz or"
-            " replan[:METHOD[:PLANNER]].",
+            help="What acts: goto, orca, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz or"
+            " replan[:METHOD[:PLANNER]], mlp:FILE, sb3:FILE.",
             show_default="goto; of three_tanks the published experiment",
             autocompletion=policies,
         ),

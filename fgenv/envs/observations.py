@@ -51,6 +51,8 @@ class Observation:
         goal, velocity, configuration, path_hint, lidar: on or off. The lidar is that of the
             scenario's model; a model without one has no such part.
         neighbours: how many of the nearest robots.
+        pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
+            long for any number of them.
         look_ahead: of the path hint, metres (of a fixed base: radians of all joints together).
         rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
         lidar_range: metres, of those rays.
@@ -65,9 +67,10 @@ class Observation:
     look_ahead: float = 1.0
     rays: int | None = None
     lidar_range: float = 5.0
+    pad: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("goal", "velocity", "configuration", "path_hint", "lidar"):
+        for name in ("goal", "velocity", "configuration", "path_hint", "lidar", "pad"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
         whole = isinstance(self.neighbours, int) and not isinstance(self.neighbours, bool)

@@ -65,6 +65,8 @@ class Simulator(Readings):
             (a free base level), where nobody meets anybody; the scenario's own where no room is
             found.
         cases: of a built-in scenario: that many, each with a seed of its own, as `frozen` has them.
+        case_order: which case an episode is, where there are several: `random`, or `seed`: that of
+            the number seed + episode, round and round.
         clearance: measure each robot's distance to whatever is nearest after each step.
         tolerance: metres that a robot may stop before what it meets; less costs more.
         autoreset: a world that ends begins anew in the same step; what its robots observed at the
@@ -88,6 +90,7 @@ class Simulator(Readings):
         way_point_seconds: float = 1.0,
         starts: str = "scenario",
         cases: int | None = None,
+        case_order: str = "random",
         clearance: bool = False,
         tolerance: float = 1e-4,
         autoreset: bool = True,
@@ -97,6 +100,7 @@ class Simulator(Readings):
     ) -> None:
         chosen(actions, "actions", ("drive", "way_points"))
         chosen(starts, "starts", ("scenario", "random"))
+        chosen(case_order, "case_order", ("random", "seed"))
         if (
             isinstance(worlds, bool)
             or not isinstance(worlds, int)
@@ -117,7 +121,7 @@ class Simulator(Readings):
         self.observation: Observation = given(observation, "observation", Observation)
         self.reward: Reward = given(reward, "reward", Reward)
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
-        self.clearance, self.tolerance = clearance, tolerance
+        self.case_order, self.clearance, self.tolerance = case_order, clearance, tolerance
         self.autoreset, self.threads = autoreset, threads
         self.n_worlds, self.max_steps = worlds, max_steps
         self.built: Built = self.scenario.build()
@@ -152,6 +156,7 @@ class Simulator(Readings):
             "way_points": self.actions == "way_points",
             "way_point_seconds": float(self.way_point_seconds),
             "random": self.starts == "random",
+            "in_order": self.case_order == "seed",
             "clearance": bool(self.clearance),
             "near": float(self.reward.near),
             "tolerance": float(self.tolerance),
@@ -160,7 +165,7 @@ class Simulator(Readings):
             "configuration": seen.configuration,
             "path_hint": seen.path_hint,
             "lidar": seen.lidar,
-            "neighbours": min(seen.neighbours, self.n_robots - 1),
+            "neighbours": seen.neighbours if seen.pad else min(seen.neighbours, self.n_robots - 1),
             "look_ahead": float(seen.look_ahead),
             **weights,
             "closeness": 0.0,

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.collision import World
 from fgenv.robots import Robot
 
+from .assembly import directions, lidar_of
 from .observations import Part
-from .readings import MOVING
+from .readings import GONE, MOVING
 from .simulator import Simulator
 from .way_points import way_points_toward
 
@@ -79,9 +80,24 @@ class View:
         return self._simulator.velocities
 
     @property
+    def remaining(self) -> Floats:
+        """To the goals, (worlds, robots): metres; of a fixed base radians of all joints."""
+        return self._simulator.remaining
+
+    @property
     def moving(self) -> Flags:
         """Who is still on the way, (worlds, robots): not parked at its goal, and not gone."""
         return np.asarray(self._simulator.status == MOVING)
+
+    @property
+    def present(self) -> Flags:
+        """Who is there, (worlds, robots): on the way or parked, not gone."""
+        return np.asarray(self._simulator.status != GONE)
+
+    @property
+    def actions(self) -> str:
+        """What actions are: `drive` or `way_points`."""
+        return self._simulator.actions
 
     @property
     def action_size(self) -> int:
@@ -92,6 +108,14 @@ class View:
     def layouts(self) -> tuple[tuple[Part, ...], ...]:
         """The parts of each robot's row of observations: name, slice, unit, frame, about."""
         return self._simulator.layouts
+
+    def rays(self, robot: int) -> tuple[Floats, Floats, float]:
+        """A robot's lidar, base's frame: its place (3,), unit vectors (rays, 3), and range (m)."""
+        spec, built = self._simulator.scenario.robots[robot], self._simulator.built
+        lidar = lidar_of(built.scenario.models[spec.model].lidar, self._simulator.observation)
+        if lidar is None:
+            return np.zeros(3), np.empty((0, 3)), 0.0
+        return np.array(lidar.position), directions(lidar), lidar.range
 
     def toward(self, targets: ArrayLike) -> Floats:
         """Actions that lead straight to configurations (worlds, robots, nq); looks at no obstacle.

@@ -11,5 +11,7 @@ void bind_robot(nanobind::module_& m);
 void bind_simulator(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_picture(nanobind::module_& m);
+void bind_network(nanobind::module_& m);
+void bind_orca(nanobind::module_& m);
 
 }  // namespace fgenv

@@ -14,4 +14,6 @@ NB_MODULE(_core, m) {
     fgenv::bind_simulator(m);
     fgenv::bind_checker(m);
     fgenv::bind_picture(m);
+    fgenv::bind_network(m);
+    fgenv::bind_orca(m);
 }

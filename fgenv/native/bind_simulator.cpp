@@ -78,6 +78,7 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("way_points", s.way_points);
     get("way_point_seconds", s.way_point_seconds);
     get("random", s.random);
+    get("in_order", s.in_order);
     get("clearance", s.clearance);
     get("near", s.near);
     get("tolerance", s.tolerance);

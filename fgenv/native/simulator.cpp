@@ -75,7 +75,8 @@ void Simulator::reset(int32_t e, const uint64_t* seed) {
     episode.number = seed ? 0 : episode.number + 1;
     Dice dice(episode.seed, static_cast<uint64_t>(episode.number));
     const int64_t cases = static_cast<int64_t>(agents_[0].starts.size());
-    episode.of_case = cases > 1 ? dice.below(cases) : 0;
+    const uint64_t turn = episode.seed + static_cast<uint64_t>(episode.number);
+    episode.of_case = cases < 2 ? 0 : settings_.in_order ? static_cast<int64_t>(turn % cases) : dice.below(cases);
     if (!stands_.empty()) episode.world.set_poses(stands_, poses_[episode.of_case]);
     Targets starts, goals;
     if (!settings_.random || !scatter(episode, dice, goals) || !scatter(episode, dice, starts)) {

@@ -60,6 +60,7 @@ struct SimulatorSettings {
     bool way_points = false;       // are what an action asks for
     double way_point_seconds = 1;  // at full speed, to the farthest
     bool random = false;           // starts and goals anew for each episode, else those of a case
+    bool in_order = false;         // world of seed s begins with case s, and goes on from there; else at random
     bool clearance = false;        // is measured after each step
     double near = 0.5;
     double tolerance = 1e-4;  // metres that a robot may stop before a contact

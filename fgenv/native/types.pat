@@ -227,3 +227,13 @@ fgenv._core.Checker.error$:
 
 fgenv._core.legs$:
     def legs(robot: Robot, way: int, radius: float, reverse: bool, q0: ArrayLike, q1: ArrayLike) -> NDArray[float64]: ...
+
+fgenv._core.Network.__init__$:
+    def __init__(self, layers: Sequence[tuple[ArrayLike, ArrayLike, str]]) -> None: ...
+
+fgenv._core.Network.run$:
+    def run(self, rows: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+fgenv._core.orca$:
+    def orca(discs: ArrayLike, wanted: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
+        \doc

@@ -1,0 +1,96 @@
+"""A model of Stable-Baselines3 as a policy."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fgenv.agents.seeing import Seeing
+from fgenv.agents.trained import homed
+from fgenv.envs import Observation, View
+from fgenv.envs.simulator import Floats, Rows
+
+KEYS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD3"}
+
+
+class Sb3Policy(Seeing):
+    """The best action of a model that `model.save(FILE)` wrote: PPO, A2C, SAC or TD3.
+
+    Needs the extra `agents`. Observations are normalised by the `VecNormalize` that
+    `envs.save(...)` wrote to the file of the same name with the suffix `.pkl`, if there is one.
+    Both hold pickles: use only files that you trust. What it observes, and where `goto` takes over,
+    is in the `.json` that `fgenv train` wrote beside it; without one it
+    takes what the simulator gives.
+
+    Raises:
+        ValueError: no such model.
+        FileNotFoundError: no such file.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        path = Path(path)
+        import stable_baselines3
+
+        kind = kind_of(path)
+        self._model: Any = getattr(stable_baselines3, kind).load(path, device="cpu")
+        about: dict[str, Any] = {"near": 0.0, "observation": None, "actions": "drive"}
+        said = path.with_suffix(".json")
+        if said.exists():
+            about |= json.loads(said.read_text(encoding="utf-8"))
+        self._near = float(about["near"])
+        self.actions: Any = about["actions"]
+        if about["observation"] is not None:
+            self.observation = Observation(**about["observation"])
+        normal = path.with_suffix(".pkl")
+        self._normal: Any = None
+        if normal.exists():
+            with normal.open("rb") as file:
+                self._normal = pickle.load(file)  # a VecNormalize, which needs no environment here
+
+    def reset(self, view: View) -> None:
+        """Episodes begin.
+
+        Raises:
+            ValueError: the robots observe or act otherwise than those that it was trained on.
+        """
+        super().reset(view)
+        (wanted,) = self._model.observation_space.shape
+        for name, parts in zip(view.names, view.layouts, strict=True):
+            here = max((part.slice.stop for part in parts), default=0)
+            if here != wanted:
+                told = ", ".join(f"{p.name} ({p.slice.stop - p.slice.start})" for p in parts)
+                raise ValueError(
+                    f"policy: {name!r} observes {here} numbers ({told}), wanted {wanted}; give the"
+                    " simulator the observation that it was trained with"
+                )
+        (size,) = self._model.action_space.shape
+        if size != view.action_size:
+            raise ValueError(f"policy: gives actions of {size}, wanted {view.action_size}")
+
+    def act(self, observations: Rows) -> Floats:
+        """Actions (worlds, robots, size)."""
+        rows = observations.reshape(-1, observations.shape[-1])
+        if self._normal is not None:
+            rows = self._normal.normalize_obs(rows)
+        found, _ = self._model.predict(rows, deterministic=True)
+        asked = np.asarray(found, dtype=np.float64).reshape(*observations.shape[:2], -1)
+        view = self.view
+        if self._near <= 0:
+            return asked
+        return homed(asked, view.toward(view.goals), view.remaining, self._near)
+
+
+def kind_of(path: Path) -> str:
+    """Which of the algorithms a file is of."""
+    try:
+        with zipfile.ZipFile(path) as file:
+            keys = json.loads(file.read("data")).keys()
+    except (KeyError, ValueError, zipfile.BadZipFile) as error:
+        told = f"policy: {path}, wanted a model that Stable-Baselines3 saved (.zip)"
+        raise ValueError(told) from error
+    return next((name for key, name in KEYS.items() if key in keys), "A2C")

@@ -1,0 +1,40 @@
+"""A policy of your own against ORCA, then one that is trained for seconds and run from its file."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from fgenv.agents import POLICIES, Trained, evaluate, run_episode
+from fgenv.agents.recipes import Stage, recipe_of
+from fgenv.agents.training import Training, Wanted
+from fgenv.envs import Simulator, View
+from fgenv.scenarios import frozen
+
+
+class KeepRight:
+    """Straight to the goal, but turning right of it the farther away it is."""
+
+    def reset(self, view: View) -> None:
+        self.view = view
+
+    def act(self, observations: np.ndarray) -> np.ndarray:
+        way = self.view.goals - self.view.configurations
+        aside = np.stack([way[..., 1], -way[..., 0], 0 * way[..., 2]], axis=-1)
+        return self.view.toward(self.view.goals + 0.6 * aside)
+
+
+POLICIES["keep_right"] = lambda seed: KeepRight()  # a package has an entry point: fgenv.policies
+cases = frozen("swap", n=4, jitter=0.2, cases=10)
+for name, score in evaluate(cases, ["keep_right", "orca"]).scores.items():
+    low, high = score.success[1:]
+    print(f"{name}: success {score.success.value:.2f} of episodes, 95 % in {low:.2f} to {high:.2f}")
+
+short = replace(recipe_of("swap"), stages=(Stage(1.0, "random"),), cases=5, rows=64)
+wanted = Wanted("swap", short, {"n": 2}, steps=20_000, every=20_000)
+Training(wanted, Path("swap")).run()  # as fgenv train does
+
+policy = Trained.load("swap/policy.npz")  # no PyTorch from here on
+simulator = Simulator("swap", n=2, observation=policy.observation, autoreset=False)
+record = run_episode(simulator, policy)
+assert len(record) > 10

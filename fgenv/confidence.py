@@ -1,0 +1,52 @@
+"""Confidence intervals of 95 %: of rates, and of means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+NORMAL = 1.959963984540054  # its 97.5 % point
+SAMPLES, SEED = 2000, 0  # of the bootstrap
+
+
+class Estimate(NamedTuple):
+    """A number, and between what it is with 95 % confidence; NaN where there is nothing to tell."""
+
+    value: float
+    low: float
+    high: float
+
+
+def rate(successes: float, trials: int) -> Estimate:
+    """Share of successes, with Wilson's interval.
+
+    E. B. Wilson, "Probable inference, the law of succession, and statistical inference", 1927.
+
+    Raises:
+        ValueError: more successes than trials, or fewer than none.
+    """
+    if not 0 <= successes <= trials:
+        raise ValueError(f"successes: {successes}, wanted 0 to {trials}")
+    if trials == 0:
+        return Estimate(math.nan, math.nan, math.nan)
+    p, z = successes / trials, NORMAL**2 / trials
+    middle = (p + z / 2) / (1 + z)
+    half = math.sqrt(p * (1 - p) * z + z**2 / 4) / (1 + z)
+    low = 0.0 if successes == 0 else max(0.0, middle - half)
+    return Estimate(p, low, 1.0 if successes == trials else min(1.0, middle + half))
+
+
+def mean(values: Sequence[float]) -> Estimate:
+    """Mean, with the percentile interval of a bootstrap; the same for the same values.
+
+    B. Efron, "Bootstrap methods: another look at the jackknife", 1979.
+    """
+    x = np.asarray(values, dtype=np.float64)
+    if len(x) == 0:
+        return Estimate(math.nan, math.nan, math.nan)
+    drawn = np.random.default_rng(SEED).integers(len(x), size=(SAMPLES, len(x)))
+    low, high = np.quantile(x[drawn].mean(axis=1), [0.025, 0.975])
+    return Estimate(float(x.mean()), float(low), float(high))
