@@ -71,7 +71,11 @@ double ask(const World& w, Random& random) {
     later.to = 1;
     const auto lock = reading(w);
     double sum = w.collides(robot, from, 0.5, 0.01);
-    sum += w.clearance(robot, from, now).distance;
+    sum += w.clearance({robot}, {from}, now).distance;
+    Suspects suspects;
+    sum += w.free_at({robot}, {from}, 0.01, suspects);
+    sum += w.free_on({robot}, {from}, {to}, now_, suspects);
+    sum += w.meet(0, from, to, 4, to, from, now_);
     sum += w.check_motion(robot, from, to, now_).contact.free_until;
     sum += w.check_motion(robot, from, to, later).contact.free_until;
     for (const MotionOutcome& o : w.check_motions({0, 4, 8}, {from, to, from}, {to, from, from}, now_)) sum += o.other;

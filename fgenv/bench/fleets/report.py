@@ -8,11 +8,11 @@ from rich.table import Table
 
 from .run import Record
 
-TITLES = ("fleet", "method", "solved", "s", "search", "p95", "makespan", "sum", "least mm")
+TITLES = ("fleet", "method", "solved", "s", "search", "p95", "makespan", "sum", "least")
 NOTE = (
     "solved: cases of the frozen set with a certified plan in the time limit; medians of those: s "
-    "of CPU in all, of which OMPL's search (composite), makespan and sum of arrivals (s), least "
-    "clearance (mm); p95: CPU seconds of all cases, failures among them."
+    "of CPU in all, of which OMPL's search (composite), makespan and sum of arrivals (s), "
+    "least clearance (mm); p95: CPU seconds of all cases, failures among them."
 )
 
 
