@@ -28,6 +28,7 @@ EXTRA_OF = {
     "scipy": "bench",
     "stable_baselines3": "agents",
     "torch": "agents",
+    "viser": "view",
     "vmas": "bench",
 }
 
