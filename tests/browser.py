@@ -33,7 +33,7 @@ FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-dev-shm-usage",
-,]
+]
 
 
 class Page:
@@ -102,6 +102,17 @@ class Page:
         """What is seen, (height, width, 3)."""
         data = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+
+    def settled(self) -> NDArray[np.uint8]:
+        """What is seen when it changes no more."""
+        before = self.picture()
+        for _ in range(40):
+            time.sleep(0.4)
+            now = self.picture()
+            if np.array_equal(now, before):
+                break
+            before = now
+        return before
 
 
 @contextmanager

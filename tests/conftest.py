@@ -6,6 +6,7 @@ import os
 
 from hypothesis import HealthCheck, settings
 
+os.environ["FGENV_VIEW_PORT"] = "0"  # any that is free
 settings.register_profile(
     "fgenv",
     deadline=None,  # the machine may be busy

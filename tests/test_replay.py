@@ -5,14 +5,12 @@ import math
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
-from browser import CHROMIUM, Page, page
-from numpy.typing import NDArray
+from browser import CHROMIUM, page
 
 import fgenv
 from fgenv.agents import policy_of, run_episode
@@ -138,28 +136,16 @@ def test_in_a_browser_it_shows_scrubs_and_jumps(record: Record, path: Path) -> N
         shown.wait(f"Math.abs({NOW} - {first + record.dt}) < 1e-5")
         shown.key("p")
         shown.wait(f"Math.abs({NOW} - {first}) < 1e-5")
-        early = settled(shown)
+        early = shown.settled()
         x, y = shown.run(
             f"(r => [r.left + 0.9 * r.width, r.top + r.height / 2])"
             f"({SLIDER}.closest('.mantine-Slider-root').getBoundingClientRect())"
         )
         shown.click(x, y)
         shown.wait(f"Math.abs({NOW} - {0.9 * len(record) * record.dt}) < 0.1")
-        late = settled(shown)
+        late = shown.settled()
         assert shown.errors == []
     assert (np.abs(early.astype(int) - empty).max(axis=2) > 60).mean() > 0.02
     assert (np.abs(early.astype(int) - late).max(axis=2) > 60).sum() > 200  # robots have moved
     orange = np.abs(early.astype(int) - (215, 135, 0)).max(axis=2) < 45  # of robot 1
     assert orange.sum() > 100
-
-
-def settled(shown: Page) -> NDArray[np.uint8]:
-    """The picture when it changes no more."""
-    before = shown.picture()
-    for _ in range(40):
-        time.sleep(0.3)
-        now = shown.picture()
-        if np.array_equal(now, before):
-            break
-        before = now
-    return before

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, plan, replay, run, scenarios, validate, verify
+from fgenv.cli import bench, compare, plan, replay, run, scenarios, validate, verify, view
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -22,6 +22,7 @@ EPILOG = """
   fgenv plan doorway --n 4 --out p.npz    paths for all robots, timed and proved
   fgenv verify p.npz                      prove them again, from the file alone
   fgenv run doorway --n 4 --policy plan:p.npz
+  fgenv view warehouse --n 16             watch an episode live in the browser
   fgenv replay swap.npz --html swap.html  a page that plays it, offline
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
@@ -78,6 +79,7 @@ app.command()(run.run)
 app.command()(plan.plan)
 app.command()(verify.verify)
 app.command()(replay.replay)
+app.command()(view.view)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(compare.compare)

@@ -30,13 +30,14 @@ class Flock:
         self, scene: SceneApi, name: str, shape: Shape, colors: list[Color], opacity: float = 1.0
     ) -> None:
         n, (vertices, faces) = len(colors), mesh_of(shape)
+        self._scales = np.ones(n, dtype=np.float32)
         self.handle: BatchedMeshHandle = scene.add_batched_meshes_simple(
             name,
             vertices,
             faces,
             batched_wxyzs=np.tile((1.0, 0.0, 0.0, 0.0), (n, 1)),
             batched_positions=np.zeros((n, 3)),
-            batched_scales=np.ones(n, dtype=np.float32),
+            batched_scales=self._scales,
             batched_colors=many_rgb(colors),
             lod="off",
             opacity=None if opacity == 1.0 else opacity,
@@ -50,8 +51,12 @@ class Flock:
         self.handle.batched_positions = poses[:, :3, 3].astype(np.float32)
         self.handle.batched_wxyzs = quaternions(poses)
         scales = np.ones(len(poses), np.float32) if here is None else np.array(here, np.float32)
-        if not np.array_equal(scales, self.handle.batched_scales):
-            self.handle.batched_scales = scales
+        if not np.array_equal(scales, self._scales):
+            self.handle.batched_scales = self._scales = scales
+
+    def paint(self, colors: Sequence[Color]) -> None:
+        """In other colours, (n,)."""
+        self.handle.batched_colors = many_rgb(colors)
 
 
 class Fleet:
@@ -102,7 +107,7 @@ class Scenery:
         every = np.concatenate([*ends, *([] if corners is None else [corners])])
         self.low, self.high = every.min(axis=0), every.max(axis=0)
         self.floor = min(0.0, float(self.low[2]))
-        self.camera: Camera = overview(every, 960, 640)
+        self.camera: Camera = overview(every, 800, 640)  # room for a panel beside it
         self._ground()
         self._stand()
         self.goals = Fleet(scene, "/goals", built, GHOST)
@@ -120,6 +125,11 @@ class Scenery:
         """What stands to poses (m, 4, 4)."""
         for flock, at in self._standing:
             flock.move(poses[at])
+
+    def paint_standing(self, colors: Sequence[Color]) -> None:
+        """What stands in other colours, one for each body."""
+        for flock, at in self._standing:
+            flock.paint([colors[i] for i in at])
 
     def _stand(self) -> None:
         kinds: dict[tuple[int, float], list[int]] = {}
