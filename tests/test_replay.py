@@ -17,8 +17,9 @@ from fgenv.agents import policy_of, run_episode
 from fgenv.collision import Shape
 from fgenv.envs import Record, Simulator
 from fgenv.view.episodes import load_episode
+from fgenv.view.meetings import meetings
 from fgenv.view.web.meshes import mesh_of, quaternions
-from fgenv.view.web.replay import meetings, positions, write_replay
+from fgenv.view.web.replay import positions, write_replay
 
 pytest.importorskip("viser")
 SLIDER = "document.querySelector('[role=\"slider\"]')"

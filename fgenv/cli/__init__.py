@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, plan, replay, run, scenarios, validate, verify, view
+from fgenv.cli import bench, compare, plan, render, replay, run, scenarios, validate, verify, view
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -24,6 +24,7 @@ EPILOG = """
   fgenv run doorway --n 4 --policy plan:p.npz
   fgenv view warehouse --n 16             watch an episode live in the browser
   fgenv replay swap.npz --html swap.html  a page that plays it, offline
+  fgenv render swap.npz --mp4 swap.mp4 --camera orbit
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file
@@ -80,6 +81,7 @@ app.command()(plan.plan)
 app.command()(verify.verify)
 app.command()(replay.replay)
 app.command()(view.view)
+app.command()(render.render)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(compare.compare)

@@ -10,13 +10,13 @@ import numpy as np
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
 from fgenv.envs.assembly import directions, lidar_of
+from fgenv.view.masking import AHEAD, middle, set_masks
 from fgenv.view.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
 from fgenv.view.surfaces import Floats
 
 Drawn = tuple[Floats, list[Color]]  # segments (n, 2, 3) or points (n, 3), metres, and n colours
 
 GONE = 2  # of a simulator's status
-AHEAD = 1.0  # seconds of each robot's motion that masks are set by
 ENDS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
 BOX_EDGES = np.array([(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit])
 
@@ -43,13 +43,8 @@ class Moment:
     def world(self) -> World:
         """A copy, with masks set by the motion that each robot goes on with for a second."""
         world = self.simulator.world(self.number)
-        rate = (self.q - self.before) * (AHEAD / self.simulator.dt)
-        for i in self.here:
-            robot = self.simulator.robots[i]
-            here, by = self.q[i, : robot.nq], rate[i, : robot.nq].copy()
-            if robot.base == "free":
-                by[3:7] = 0.0  # a quaternion stays
-            world.set_path(robot.name, [here, here + by])
+        by = (self.q - self.before) * (AHEAD / self.simulator.dt)
+        set_masks(world, self.simulator.robots, self.here, self.q, by)
         return world
 
 
@@ -99,13 +94,6 @@ def masks(moment: Moment) -> Drawn:
             ends.append([here, middle(world, body)])
             colors.append(robot_color(i))
     return np.reshape(ends, (-1, 2, 3)), colors
-
-
-def middle(world: World, body: int) -> Floats:
-    """The middle (3,) of a body's box."""
-    record = world.record(body)
-    local = record.shape.bounds.mean(axis=0)
-    return np.asarray(record.pose[:3, :3] @ local + record.pose[:3, 3])
 
 
 def lidar_rays(moment: Moment) -> Drawn:

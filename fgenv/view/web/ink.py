@@ -10,7 +10,7 @@ import numpy as np
 from fgenv.view.palette import Color
 from fgenv.view.surfaces import Floats
 
-from .meshes import rgb
+from .meshes import line_rgb, rgb
 
 if TYPE_CHECKING:
     from viser import LineSegmentsHandle, PointCloudHandle, SceneApi
@@ -28,7 +28,7 @@ class Lines:
         if not len(ends):
             self.wipe()
             return
-        inks = np.repeat(_bytes(colors)[:, None], 2, axis=1)
+        inks = np.repeat(line_rgb(colors)[:, None], 2, axis=1)
         points = np.asarray(ends, dtype=np.float32)
         if self._handle is None:
             self._handle = self._scene.add_line_segments(
@@ -57,7 +57,8 @@ class Dots:
         if not len(points):
             self.wipe()
             return
-        inks, places = _bytes(colors), np.asarray(points, dtype=np.float32)
+        inks = np.array([rgb(color) for color in colors], dtype=np.uint8)
+        places = np.asarray(points, dtype=np.float32)
         if self._handle is None:
             self._handle = self._scene.add_point_cloud(
                 self._name, places, inks, point_size=self._size, point_shape="circle"
@@ -71,8 +72,3 @@ class Dots:
         if self._handle is not None:
             self._handle.remove()
         self._handle = None
-
-
-def _bytes(colors: Sequence[Color]) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-    kinds = {color: rgb(color) for color in set(colors)}
-    return np.array([kinds[color] for color in colors], dtype=np.uint8)

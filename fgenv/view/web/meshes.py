@@ -55,6 +55,11 @@ def many_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
     return np.rint(255 * DIM * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
 
 
+def line_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
+    """sRGB colours of lines, (n, 3): viser takes their bytes for linear light too."""
+    return np.rint(255 * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
+
+
 def rgb(color: Color) -> tuple[int, int, int]:
     """An sRGB colour in bytes."""
     red, green, blue = (round(255 * c) for c in color)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,10 +20,11 @@ import trimesh
 from fgenv.collision import Shape
 from fgenv.envs import Record
 from fgenv.scenarios import Built
+from fgenv.view.meetings import Meeting, meetings
 from fgenv.view.palette import BLACK, robot_color
 from fgenv.view.surfaces import Floats
 
-from .meshes import rgb
+from .meshes import line_rgb, rgb
 from .scenery import Flock, Scenery
 from .serving import serving
 
@@ -35,22 +36,6 @@ SMOOTHNESS = 20.0  # positions a second that are stored at least; steps are what
 MOST = 20_000  # positions of all robots that are stored beside the steps' own
 LINGER, TOLD = 0.6, 2.5  # seconds that a contact is still shown, and said who it is of
 MOST_LABELS = 200
-
-
-@dataclass(frozen=True)
-class Meeting:
-    """A robot in contact with something in one step after the other; told once of two robots.
-
-    Attributes:
-        begin, end: seconds.
-        point: of the first contact, world, metres.
-    """
-
-    robot: int
-    begin: float
-    end: float
-    text: str
-    point: tuple[float, float, float]
 
 
 def write_replay(
@@ -120,39 +105,6 @@ def positions(record: Record, built: Built) -> Iterator[tuple[float, list[Floats
     yield steps * record.dt, list(q[steps]), (status[steps] != GONE).tolist()
 
 
-def meetings(record: Record) -> list[Meeting]:
-    """Who met whom, when and where, in the order of time."""
-    hits, robots, names = record["hits"], record["hit_robots"], record.about["names"]
-    found = []
-    for i, name in enumerate(record.names):
-        for k, last in runs(hits[:, i]):
-            at, other = int(robots[k, i]), int(hits[k, i])
-            begin = k * record.dt + float(record["hit_times"][k, i])
-            if 0 <= at < i and is_met_by(record, k, at, i):
-                continue  # told of the other one
-            whom = record.names[at] if at >= 0 else names.get(str(other), f"body {other}")
-            x, y, z = record["hit_points"][k, i].tolist()
-            text = f"{name} meets {whom}"
-            found.append(Meeting(i, begin, (last + 1) * record.dt, text, (x, y, z)))
-    return sorted(found, key=lambda meeting: meeting.begin)
-
-
-def is_met_by(record: Record, step: int, robot: int, other: int) -> bool:
-    """Whether in a step a robot begins to meet another one."""
-    met = record["hit_robots"][:, robot]
-    return bool(met[step] == other and (step == 0 or met[step - 1] != other))
-
-
-def runs(hits: np.ndarray[tuple[int, ...], np.dtype[np.int32]]) -> Iterator[tuple[int, int]]:
-    """First and last step (both met) of each stretch in which the same body was met."""
-    ends = [*np.flatnonzero(np.diff(hits)).tolist(), len(hits) - 1]
-    begin = 0
-    for end in ends if len(hits) else []:
-        if hits[begin] >= 0:
-            yield begin, end
-        begin = end + 1
-
-
 class Contacts:
     """Black balls where robots meet something, with who meets whom beside the first ones."""
 
@@ -200,7 +152,7 @@ def ways(scene: SceneApi, record: Record, built: Built, floor: float) -> None:
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6
         ends = np.stack([points[:-1], points[1:]], axis=1)[apart]
         if len(ends):
-            color = rgb(robot_color(i))
+            color = line_rgb([robot_color(i)])[0]
             scene.add_line_segments(f"/ways/{i}", ends.astype(np.float32), color, thickness=0.02)
 
 
