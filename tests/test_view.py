@@ -4,6 +4,7 @@ import copy
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 
@@ -145,6 +146,50 @@ def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> Non
             until(lambda name=name: not live.overlays.on[name])
             live.refresh()
         assert shown.errors == []
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
+    simulator = live.simulator
+    ended = threading.Event()
+
+    def drive() -> None:
+        while not ended.is_set():
+            simulator.step(np.full((1, 4, simulator.action_size), 0.2))
+            live.show()
+
+    live._speed.value = "1x"
+    thread = threading.Thread(target=drive)
+    with page() as shown:
+        shown.open(live.url)
+        shown.wait("document.body?.innerText.includes('Feature graph')")
+        until(lambda: bool(live.server.get_clients()))
+        thread.start()
+        press(shown, "Pause")
+        until(lambda: not live._go.is_set())
+        time.sleep(0.5)
+        held = int(simulator.steps[0])
+        time.sleep(0.5)
+        assert simulator.steps[0] == held
+        press(shown, "Step")
+        until(lambda: simulator.steps[0] == held + 1)
+        live._follow.value = simulator.names[1]
+        press(shown, "Play")
+        until(lambda: simulator.steps[0] > held + 5)
+        (client,) = live.server.get_clients().values()
+        base = simulator.configurations[0, 1, :2]
+        assert np.linalg.norm(client.camera.look_at[:2] - base) < 0.3
+        assert shown.errors == []
+        ended.set()
+        live._go.set()
+        thread.join()
+
+
+def press(shown: Page, label: str) -> None:
+    """Press the button with that label."""
+    shown.run(
+        f"[...document.querySelectorAll('button')].find(b => b.innerText === '{label}').click()"
+    )
 
 
 def click(shown: Page, label: str) -> None:

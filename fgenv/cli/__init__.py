@@ -10,7 +10,19 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, plan, render, replay, run, scenarios, validate, verify, view
+from fgenv.cli import (
+    bench,
+    compare,
+    plan,
+    plot,
+    render,
+    replay,
+    run,
+    scenarios,
+    validate,
+    verify,
+    view,
+)
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -25,6 +37,7 @@ EPILOG = """
   fgenv view warehouse --n 16             watch an episode live in the browser
   fgenv replay swap.npz --html swap.html  a page that plays it, offline
   fgenv render swap.npz --mp4 swap.mp4 --camera orbit
+  fgenv plot swap.npz --kind clearance --out gaps.png
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file
@@ -82,6 +95,7 @@ app.command()(verify.verify)
 app.command()(replay.replay)
 app.command()(view.view)
 app.command()(render.render)
+app.command()(plot.plot)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(compare.compare)
