@@ -159,7 +159,7 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
             live.show()
 
     live._speed.value = "1x"
-    thread = threading.Thread(target=drive)
+    thread = threading.Thread(target=drive, daemon=True)
     with page() as shown:
         shown.open(live.url)
         shown.wait("document.body?.innerText.includes('Feature graph')")

@@ -56,7 +56,7 @@ def many_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
 
 
 def line_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
-    """sRGB colours of lines, (n, 3): viser takes their bytes for linear light too."""
+    """sRGB colours of lines, (n, 3): viser takes many, not one for all, for linear light too."""
     return np.rint(255 * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
 
 

@@ -24,7 +24,7 @@ from fgenv.view.meetings import Meeting, meetings
 from fgenv.view.palette import BLACK, robot_color
 from fgenv.view.surfaces import Floats
 
-from .meshes import line_rgb, rgb
+from .meshes import rgb
 from .scenery import Flock, Scenery
 from .serving import serving
 
@@ -152,7 +152,7 @@ def ways(scene: SceneApi, record: Record, built: Built, floor: float) -> None:
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6
         ends = np.stack([points[:-1], points[1:]], axis=1)[apart]
         if len(ends):
-            color = line_rgb([robot_color(i)])[0]
+            color = rgb(robot_color(i))
             scene.add_line_segments(f"/ways/{i}", ends.astype(np.float32), color, thickness=0.02)
 
 

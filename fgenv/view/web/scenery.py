@@ -13,7 +13,7 @@ from fgenv.view.gallery import CLEAR, GHOST, GLASS, LIFT, corners_of
 from fgenv.view.palette import INK, Color, robot_color, static_color
 from fgenv.view.surfaces import Floats
 
-from .meshes import line_rgb, many_rgb, mesh_of, quaternions
+from .meshes import many_rgb, mesh_of, quaternions, rgb
 
 if TYPE_CHECKING:
     from viser import BatchedMeshHandle, SceneApi
@@ -167,7 +167,7 @@ class Scenery:
         x, y = float(self.low[0]), float(self.low[1]) - EDGE
         ends = [[[x, y, self.floor + LIFT], [x + 1.0, y, self.floor + LIFT]]]
         wide = min(0.03, 0.004 * float(np.linalg.norm(self.high - self.low)))
-        self.scene.add_line_segments("/scale", np.array(ends), line_rgb([INK])[0], thickness=wide)
+        self.scene.add_line_segments("/scale", np.array(ends), rgb(INK), thickness=wide)
         self.scene.add_label(
             "/scale/label", "1 m", position=(x + 0.5, y, self.floor + 0.05), anchor="top-center"
         )
