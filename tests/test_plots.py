@@ -1,13 +1,12 @@
 """Plots of a record: what they say is what is in it."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from shell import Shell
 
 from fgenv.agents import policy_of, run_episode
 from fgenv.envs import Record, Simulator
@@ -16,8 +15,6 @@ pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure
 
 from fgenv.view.plots import KINDS, clearances_of, mask_counts, plot
-
-COMMAND = [sys.executable, "-c", "from fgenv.cli import main; main()", "plot"]
 
 
 @pytest.fixture(scope="module")
@@ -59,20 +56,17 @@ def test_what_cannot_be_plotted_says_so(record: Record, tmp_path: Path) -> None:
         plot(replace(record, arrays=arrays), "masks", tmp_path / "a.png")
 
 
-def test_command(record: Record, tmp_path: Path) -> None:
-    record.save(tmp_path / "run.npz")
+def test_command(record: Record, shell: Shell) -> None:
+    record.save("run.npz")
     for kind in KINDS:
-        words = [*COMMAND, "run.npz", "--kind", kind, "--out", "a.png"]
-        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        with Image.open(tmp_path / "a.png") as picture:
+        code, out, err = shell("plot", "run.npz", "--kind", kind, "--out", "a.png")
+        assert (code, err) == (0, "")
+        assert out == f"written: a.png, {Path('a.png').stat().st_size:,} bytes\n"
+        with Image.open("a.png") as picture:
             assert np.ptp(np.asarray(picture.convert("L"))) > 100
-    for kind, out, said in (
+    for kind, path, said in (
         ("speed", "a.png", "kind: 'speed', wanted clearance, masks, space-time"),
         ("masks", "a.gif", "ends in .png, .svg, .pdf"),
         ("masks", "no/a.png", "there is no folder no"),
     ):
-        words = [*COMMAND, "run.npz", "--kind", kind, "--out", out]
-        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert said in done.stderr
+        assert said in shell.refuses("plot", "run.npz", "--kind", kind, "--out", path)

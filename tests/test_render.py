@@ -1,12 +1,9 @@
 """Movies and pictures of a record: cameras, notes, files."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PIL import Image
+from shell import Shell
 
 from fgenv.agents import policy_of, run_episode
 from fgenv.envs import Record, Simulator
@@ -15,8 +12,6 @@ from fgenv.view.gallery import corners_of
 from fgenv.view.masking import world_at
 from fgenv.view.meetings import meetings
 from fgenv.view.moving import CAMERAS, Tripod
-
-COMMAND = [sys.executable, "-c", "from fgenv.cli import main; main()", "render"]
 
 
 @pytest.fixture(scope="module")
@@ -64,17 +59,13 @@ def test_masks_of_a_record_are_those_of_its_world(record: Record) -> None:
         np.testing.assert_array_equal(world.configuration(name), record["configurations"][3, i])
 
 
-def test_command(record: Record, tmp_path: Path) -> None:
-    record.save(tmp_path / "run.npz")
-
-    def run(*words: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([*COMMAND, *words], cwd=tmp_path, capture_output=True, text=True)
-
+def test_command(record: Record, shell: Shell) -> None:
+    record.save("run.npz")
     files = ("--gif", "a.gif", "--mp4", "a.mp4", "--png", "a.png", "--at", "1")
-    done = run("run.npz", *files, "--camera", "follow", "--size", "128x96", "--fps", "5")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("written: ") == 3
-    with Image.open(tmp_path / "a.gif") as movie, Image.open(tmp_path / "a.png") as picture:
+    look = ("--camera", "follow", "--size", "128x96", "--fps", "5")
+    code, out, _ = shell("render", "run.npz", *files, *look)
+    assert (code, out.count("written: ")) == (0, 3)
+    with Image.open("a.gif") as movie, Image.open("a.png") as picture:
         assert movie.size == picture.size == (128, 96)
         assert movie.n_frames == 11
     for words, said in (
@@ -85,6 +76,4 @@ def test_command(record: Record, tmp_path: Path) -> None:
         (("--png", "a.png", "--size", "8"), "wanted WIDTHxHEIGHT"),
         (("--gif", "a.gif", "--at", "1"), "--at: is of a picture"),
     ):
-        done = run("run.npz", *words)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert said in done.stderr
+        assert said in shell.refuses("render", "run.npz", *words)

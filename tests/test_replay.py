@@ -3,14 +3,13 @@
 import json
 import math
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 from browser import CHROMIUM, page
+from shell import Shell
 
 import fgenv
 from fgenv.agents import policy_of, run_episode
@@ -103,22 +102,18 @@ def test_a_plan_is_played_as_if_driven(tmp_path: Path) -> None:
     assert meetings(found) == []
 
 
-def test_command(record: Record, tmp_path: Path) -> None:
-    record.save(tmp_path / "run.npz")
-    command = [sys.executable, "-c", "from fgenv.cli import main; main()", "replay"]
-    done = subprocess.run([*command, "run.npz"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    size = (tmp_path / "run.html").stat().st_size
-    assert done.stdout == f"written: run.html, {size:,} bytes\n"
-    (tmp_path / "no.npz").write_bytes(b"nothing")
-    for wrong, said in (
+def test_command(record: Record, shell: Shell) -> None:
+    record.save("run.npz")
+    code, out, err = shell("replay", "run.npz")
+    assert (code, err) == (0, "")
+    assert out == f"written: run.html, {Path('run.html').stat().st_size:,} bytes\n"
+    Path("no.npz").write_bytes(b"nothing")
+    for words, said in (
         (["no.npz"], "is damaged, or no record"),
         (["run.npz", "--html", "run.png"], "ends in .html"),
         (["run.npz", "--html", "no/run.html"], "there is no folder no"),
     ):
-        done = subprocess.run([*command, *wrong], cwd=tmp_path, capture_output=True, text=True)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert said in done.stderr
+        assert said in shell.refuses("replay", *words)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
