@@ -170,7 +170,8 @@ class FleetVecEnv(VecEnv):
         return [False for _ in self._rows(indices)]
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """End the live view, if there is one."""
+        self.screen.close()
 
     def __copy__(self) -> FleetVecEnv:
         return copy.deepcopy(self)

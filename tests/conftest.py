@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
+from shell import Shell
 
+os.environ["FGENV_VIEW_PORT"] = "0"  # any that is free
 settings.register_profile(
     "fgenv",
     deadline=None,  # the machine may be busy
@@ -14,3 +18,11 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("fgenv")
+
+
+@pytest.fixture
+def shell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Shell:
+    """The command line, in a folder of its own."""
+    return Shell(tmp_path, monkeypatch, capsys)

@@ -10,7 +10,21 @@ from typing import Annotated
 import typer
 
 from fgenv import __version__
-from fgenv.cli import bench, compare, eval, plan, run, scenarios, train, validate, verify
+from fgenv.cli import (
+    bench,
+    compare,
+    eval,
+    plan,
+    plot,
+    render,
+    replay,
+    run,
+    scenarios,
+    train,
+    validate,
+    verify,
+    view,
+)
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -25,6 +39,10 @@ EPILOG = """
   fgenv eval swap --n 8 --set jitter=0.2 --policy orca --policy goto
   fgenv train swap --out out/swap         a policy of your own, for
   fgenv run swap --policy mlp:out/swap/policy.npz
+  fgenv view warehouse --n 16             watch an episode live in the browser
+  fgenv replay swap.npz --html swap.html  a page that plays it, offline
+  fgenv render swap.npz --mp4 swap.mp4 --camera orbit
+  fgenv plot swap.npz --kind clearance --out gaps.png
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   what is wrong with a scenario file
@@ -81,6 +99,10 @@ app.command("eval")(eval.evaluate)
 app.command()(train.train)
 app.command()(plan.plan)
 app.command()(verify.verify)
+app.command()(replay.replay)
+app.command()(view.view)
+app.command()(render.render)
+app.command()(plot.plot)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(compare.compare)

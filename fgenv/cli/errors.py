@@ -29,6 +29,7 @@ EXTRA_OF = {
     "stable_baselines3": "agents",
     "supersuit": "bench",
     "torch": "agents",
+    "viser": "view",
     "vmas": "bench",
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -16,8 +16,15 @@ if TYPE_CHECKING:
 MOST_FPS = 25.0  # if not told
 
 
-def draw(record: Record, path: Path, fps: float | None, console: Console) -> None:
-    """The movie of a record, in real time."""
+def draw(
+    record: Record,
+    path: Path,
+    fps: float | None,
+    console: Console,
+    size: tuple[int, int] = (480, 360),
+    look: dict[str, Any] | None = None,
+) -> None:
+    """The movie of a record, in real time; `look` is what `frames_of` takes beside."""
     from fgenv.view.frames import frames_of, steps_shown
     from fgenv.view.movie import frame_seconds, write_movie
 
@@ -25,7 +32,9 @@ def draw(record: Record, path: Path, fps: float | None, console: Console) -> Non
     steps = steps_shown(record, seconds)
     with progress(console) as bar:
         task = bar.add_task("drawing", total=len(steps))
-        frames = bar.track(frames_of(record, steps), task_id=task, total=len(steps))
+        frames = bar.track(
+            frames_of(record, steps, *size, **(look or {})), task_id=task, total=len(steps)
+        )
         write_movie(path, frames, 1 / seconds)
 
 

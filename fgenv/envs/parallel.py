@@ -121,11 +121,12 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         )
 
     def render(self) -> Frame | None:
-        """The frame (360, 480, 3) in mode `rgb_array`, else None with a warning."""
+        """The frame (360, 480, 3) in mode `rgb_array`, else None; `human` is shown live."""
         return self._screen.show()
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """End the live view, if there is one."""
+        self._screen.close()
 
     def checked(self, agent: str, action: Any) -> NDArray[np.float64]:
         """An action as numbers (size,).

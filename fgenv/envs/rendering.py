@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import os
+import sys
 import warnings
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,8 @@ from numpy.typing import NDArray
 from .readings import GONE
 
 if TYPE_CHECKING:
+    from fgenv.view.web.live import Live
+
     from .simulator import Simulator
 
 Frame = NDArray[np.uint8]
@@ -24,6 +28,10 @@ WIDTH, HEIGHT = 480, 360
 class Screen:
     """What a face shows in its render mode.
 
+    In mode `human` the first picture starts a live view in the browser, at port FGENV_VIEW_PORT
+    (8080 if not set; 0: any that is free); stderr says where. Each picture then takes as long as
+    its step would, at the speed that is chosen there, and waits where it is paused there.
+
     Raises:
         ValueError: no such mode.
     """
@@ -32,14 +40,51 @@ class Screen:
         if mode not in (None, *MODES):
             raise ValueError(f"render_mode: {mode!r}, wanted {', '.join(MODES)} or None")
         self.simulator, self.mode = simulator, mode
+        self.live: Live | None = None
+        self._episode: tuple[int, int, int] | None = None
 
     def show(self, world: int = 0) -> Frame | None:
-        """The frame (height, width, 3) of a world in mode `rgb_array`, else None."""
+        """The frame (height, width, 3) of a world in mode `rgb_array`, else None.
+
+        Raises:
+            RuntimeError: before the first reset.
+            ImportError: `human` wants viser, with the remedy.
+            ValueError: its port is taken.
+        """
         if self.mode == "rgb_array":
             return self.renderer.frame(world)
-        told = "'human' shows nothing yet" if self.mode else "none was given"
-        warnings.warn(f"render_mode: {told}; 'rgb_array' gives pictures", stacklevel=3)
+        if self.mode is None:
+            told = "render_mode: none was given; 'rgb_array' gives pictures, 'human' a live view"
+            warnings.warn(told, stacklevel=3)
+            return None
+        self._live(world)
         return None
+
+    def close(self) -> None:
+        """End the live view, if there is one."""
+        if self.live is not None:
+            self.live.close()
+        self.live = None
+
+    def _live(self, world: int) -> None:
+        simulator = self.simulator
+        if not simulator.begun:
+            raise RuntimeError("render: before the first reset, call reset()")
+        if self.live is None:
+            from fgenv.view.web.live import Live
+
+            self.live = Live(simulator, view_port(), far(simulator))
+            print(f"fgenv: live view at {self.live.url}", file=sys.stderr)
+        episode = int(simulator.seeds[world]), int(simulator.episodes[world]), world
+        if simulator.steps[world] == 0 or episode != self._episode:
+            self.live.begin(world)
+        else:
+            self.live.show(world)
+        self._episode = episode
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Of a copy, which shows nothing yet."""
+        return {"simulator": self.simulator, "mode": self.mode, "live": None, "_episode": None}
 
     @cached_property
     def renderer(self) -> Renderer:
@@ -54,7 +99,7 @@ class Renderer:
         from fgenv.view.fleet import FleetPainter
 
         self.simulator = simulator
-        self._painter = FleetPainter(simulator.built, self._far())
+        self._painter = FleetPainter(simulator.built, far(simulator))
 
     def frame(self, world: int = 0) -> Frame:
         """sRGB (360, 480, 3)."""
@@ -67,10 +112,20 @@ class Renderer:
             simulator.configurations[world], simulator.goals[world], here, poses
         )
 
-    def _far(self) -> NDArray[np.float64] | None:
-        """Corners of where later episodes may be, (n, 3)."""
-        space, simulator = self.simulator.scenario.workspace, self.simulator
-        if space is None or (simulator.starts == "scenario" and len(simulator.cases) == 1):
-            return None
-        ends = [*zip(space.low, space.high, strict=True), (0.0, 0.0)][:3]
-        return np.array(list(itertools.product(*ends)))
+
+def far(simulator: Simulator) -> NDArray[np.float64] | None:
+    """Corners of where later episodes may be, (n, 3)."""
+    space = simulator.scenario.workspace
+    if space is None or (simulator.starts == "scenario" and len(simulator.cases) == 1):
+        return None
+    ends = [*zip(space.low, space.high, strict=True), (0.0, 0.0)][:3]
+    return np.array(list(itertools.product(*ends)))
+
+
+def view_port() -> int:
+    """The port of live views, from the environment."""
+    text = os.environ.get("FGENV_VIEW_PORT", "8080")
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(f"FGENV_VIEW_PORT: {text!r}, wanted a port, 0 to 65535") from None

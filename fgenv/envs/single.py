@@ -81,8 +81,12 @@ class FleetEnv(gymnasium.Env[Any, Any]):
         return done.observations[0], float(done.rewards[0]), ended, late, self._told()
 
     def render(self) -> Frame | None:
-        """The frame (360, 480, 3) in mode `rgb_array`, else None with a warning."""
+        """The frame (360, 480, 3) in mode `rgb_array`, else None; `human` is shown live."""
         return self._screen.show()
+
+    def close(self) -> None:
+        """End the live view, if there is one."""
+        self._screen.close()
 
     def _told(self) -> dict[str, Any]:
         return infos(self.simulator)[self.learner.place]

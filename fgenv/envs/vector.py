@@ -106,10 +106,17 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
         return rows, *done[1:], {**told, **with_masks(final, ended)}
 
     def render(self) -> tuple[Frame | None, ...] | None:  # type: ignore[override]
-        """A frame (360, 480, 3) of each world in mode `rgb_array`, else None with a warning."""
+        """A frame (360, 480, 3) of each world in mode `rgb_array`, else None.
+
+        `human` shows the first world live.
+        """
         if self.render_mode != "rgb_array":
             return self._screen.show()  # type: ignore[return-value]
         return tuple(self._screen.show(k) for k in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the live view, if there is one."""
+        self._screen.close()
 
     def _told(self) -> Told:
         simulator, place = self.simulator, self.learner.place

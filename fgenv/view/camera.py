@@ -88,17 +88,23 @@ def box_corners(low: ArrayLike, high: ArrayLike) -> Floats:
     return np.asarray(low[..., None, :] + ends * (high - low)[..., None, :])
 
 
-def overview(corners: Floats, width: int, height: int) -> Camera:
-    """A camera from the south, above, as near as all corners (n, 3) let it be."""
+def direction(azimuth: float, elevation: float) -> Floats:
+    """The unit vector (3,) there, rad about z and over the floor."""
+    flat = np.cos(elevation)
+    return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
+
+
+def overview(
+    corners: Floats,
+    width: int,
+    height: int,
+    azimuth: float = AZIMUTH,
+    elevation: float = ELEVATION,
+) -> Camera:
+    """A camera from above, as near as all corners (n, 3) let it be; from the south if not told."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
-    way = np.array(
-        [
-            np.cos(AZIMUTH) * np.cos(ELEVATION),
-            np.sin(AZIMUTH) * np.cos(ELEVATION),
-            np.sin(ELEVATION),
-        ]
-    )
+    way = direction(azimuth, elevation)
     for far in span * np.linspace(0.8, 4.0, 65):
         for drop in np.linspace(-0.1, 0.1, 9) * span:  # what is near looks larger
             target = middle + (0.0, 0.0, drop)

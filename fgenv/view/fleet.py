@@ -19,7 +19,7 @@ from fgenv.view.surfaces import Floats, Floor
 class FleetPainter:
     """Draws robots and what stands around, goals of bases that move as rings on the floor.
 
-    The camera stands still; it sees all starts and goals, and `corners`.
+    The camera sees all starts and goals, and `corners`; another one may be set at any time.
 
     Args:
         corners: (n, 3), metres, of more that is to be seen.
@@ -32,7 +32,7 @@ class FleetPainter:
         self.built = built
         more = [] if corners is None else [corners]
         ends = (corners_of(built.world(q)) for q in (built.starts, built.goals))
-        every = np.concatenate([*ends, *more])
+        self.corners = every = np.concatenate([*ends, *more])
         self.camera: Camera = overview(every, width, height)
         self._floor = Floor(height=min(0.0, float(every[:, 2].min())))
         self._radii = [reaches(robot)[robot.root] for robot in built.robots]
@@ -58,6 +58,7 @@ class FleetPainter:
             self._here, self._painter = present, self._painter_of(present)
         moved = [p for i in present for p in self._parts(i, configurations[i])]
         stand = self.built.poses if poses is None else poses
+        self._painter.camera = self.camera
         marks = [mark for i in present if (mark := self._mark(i, goals[i])) is not None]
         return self._painter.paint(np.concatenate([stand, np.reshape(moved, (-1, 4, 4))]), marks)
 

@@ -7,7 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fgenv.view.fleet import FleetPainter
+from fgenv.view.meetings import meetings
 from fgenv.view.movie import Frame
+from fgenv.view.moving import Tripod
+from fgenv.view.notes import annotated, check
 
 if TYPE_CHECKING:
     from fgenv.envs import Record
@@ -22,11 +25,36 @@ def steps_shown(record: Record, seconds: float) -> list[int]:
 
 
 def frames_of(
-    record: Record, steps: Sequence[int], width: int = 480, height: int = 360
+    record: Record,
+    steps: Sequence[int],
+    width: int = 480,
+    height: int = 360,
+    *,
+    camera: str = "overview",
+    robot: int = 0,
+    notes: Sequence[str] = (),
 ) -> Iterator[Frame]:
-    """Frames (height, width, 3) of a record after some of its steps, 0 being before the first."""
-    built = record.scenario.build()
+    """Frames (height, width, 3) of a record after some of its steps, 0 being before the first.
+
+    Args:
+        camera: of `moving.CAMERAS`.
+        robot: which one `follow` follows.
+        notes: what is written over them: of `notes.NOTES`.
+
+    Raises:
+        ValueError: no such camera, robot or note.
+    """
+    check(notes)
+    if not 0 <= robot < record.n_robots:
+        raise ValueError(f"robot: {robot}, wanted 0 to {record.n_robots - 1}")
+    built, met = record.scenario.build(), meetings(record)
     painter = FleetPainter(built, width=width, height=height)
+    tripod = Tripod(camera, built, painter.corners, width, height, robot)
     for step in steps:
+        q = record["configurations"][step]
+        painter.camera = tripod.at(step * record.dt, q[robot])
         here = record["status"][step] != GONE
-        yield painter.paint(record["configurations"][step], built.goals, here)
+        frame = painter.paint(q, built.goals, here)
+        if notes:
+            frame = annotated(frame, painter.camera, record, built, step, notes, met)
+        yield frame

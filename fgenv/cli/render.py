@@ -1,0 +1,125 @@
+"""``fgenv render``: movies and pictures of a recorded episode, without a display."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fgenv.cli.replay import Recorded
+from fgenv.cli.scenarios import target
+
+if TYPE_CHECKING:
+    from fgenv.envs import Record
+
+SMALLEST, LARGEST = 16, 4096  # pixels
+
+
+def render(
+    record: Recorded,
+    gif: Annotated[Path | None, target("--gif", "Write a GIF.")] = None,
+    mp4: Annotated[Path | None, target("--mp4", "Write an MP4 (H.264).")] = None,
+    png: Annotated[Path | None, target("--png", "Write one picture.")] = None,
+    at: Annotated[
+        float | None,
+        typer.Option("--at", min=0.0, help="Seconds of --png.", show_default="the end"),
+    ] = None,
+    camera: Annotated[
+        str, typer.Option("--camera", help="overview, top, follow or orbit.")
+    ] = "overview",
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", help="Whom follow follows.", show_default="the first"),
+    ] = None,
+    notes: Annotated[
+        str,
+        typer.Option(
+            "--notes", help="What is drawn over it: time, collisions, masks; none; with commas."
+        ),
+    ] = "time,collisions",
+    size: Annotated[str, typer.Option("--size", help="Pixels, WIDTHxHEIGHT.")] = "480x360",
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            "--fps",
+            min=0.1,
+            max=100.0,
+            help="Frames of a movie in a second, no more than there are steps.",
+            show_default="25 at most",
+        ),
+    ] = None,
+) -> None:
+    """Draw a recorded episode, or a plan, as a movie in real time or as a picture.
+
+    No display and no OpenGL are needed. top looks straight down, follow keeps
+    to a robot, orbit goes around everything. Notes: collisions rings contacts
+    and says who meets whom; masks boxes whatever bears the bit of a robot, by
+    its motion of the next second, with a line from that robot.
+    """
+    from rich.console import Console
+
+    from fgenv.cli.movie import MOST_FPS, draw
+    from fgenv.view.episodes import load_episode
+    from fgenv.view.frames import frames_of
+    from fgenv.view.movie import frame_seconds
+    from fgenv.view.moving import CAMERAS
+    from fgenv.view.notes import check
+
+    wanted = targets(gif, mp4, png)
+    if camera not in CAMERAS:
+        raise ValueError(f"--camera: {camera!r}, wanted {', '.join(CAMERAS)}")
+    if at is not None and png is None:
+        raise ValueError("--at: is of a picture, wanted with --png")
+    drawn = [] if notes == "none" else [note.strip() for note in notes.split(",")]
+    check(drawn)
+    width, height = pixels(size)
+    for path in (p for p in (gif, mp4) if p is not None):
+        frame_seconds(path, fps or MOST_FPS)
+    episode = load_episode(record)
+    look: dict[str, Any] = {"camera": camera, "robot": place(episode, robot), "notes": drawn}
+    if png is not None:
+        from PIL import Image
+
+        step = len(episode) if at is None else min(len(episode), round(at / episode.dt))
+        (frame,) = frames_of(episode, [step], width, height, **look)
+        Image.fromarray(frame).save(png, optimize=True)
+    for path in (p for p in (gif, mp4) if p is not None):
+        draw(episode, path, fps, Console(highlight=False), (width, height), look)
+    for path in wanted:
+        typer.echo(f"written: {path}, {path.stat().st_size:,} bytes")
+
+
+def targets(*files: Path | None) -> list[Path]:
+    """The files to write; ValueError where there are none, or their names are wrong."""
+    found = []
+    for path, suffix in zip(files, (".gif", ".mp4", ".png"), strict=True):
+        if path is None:
+            continue
+        if path.suffix != suffix:
+            raise ValueError(f"--{suffix[1:]}: {path}, wanted a name that ends in {suffix}")
+        if not path.parent.is_dir():
+            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+        found.append(path)
+    if not found:
+        raise ValueError("nothing to write; wanted --gif, --mp4 or --png")
+    return found
+
+
+def pixels(size: str) -> tuple[int, int]:
+    """Width and height."""
+    width, _, height = size.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise ValueError(f"--size: {size!r}, wanted WIDTHxHEIGHT, such as 640x480")
+    if not all(SMALLEST <= int(n) <= LARGEST for n in (width, height)):
+        raise ValueError(f"--size: {size!r}, wanted {SMALLEST} to {LARGEST} pixels each")
+    return int(width), int(height)
+
+
+def place(record: Record, name: str | None) -> int:
+    """Which robot has that name; the first if none is given."""
+    if name is None:
+        return 0
+    if name not in record.names:
+        raise ValueError(f"--robot: {name!r}, wanted one of {', '.join(record.names)}")
+    return record.names.index(name)
