@@ -67,7 +67,7 @@ def view(
     strictly(acting)
     overrides = given(n, size, set or [])
     wanted = Wanted(scenario, policy, overrides, seed, None, None, None, None)
-    simulator = simulator_of(context, wanted)
+    simulator = simulator_of(context, wanted, acting)
     live = Live(simulator, port)
     typer.echo(f"{simulator.scenario.name}: live at {live.url} (Ctrl-C ends it)")
     if open_it and not webbrowser.open(live.url):
