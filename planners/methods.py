@@ -103,7 +103,7 @@ def plan(
 
 
 Found = tuple[Sequence[Floats], Sequence[Floats], dict[str, Any]]  # steps, way points, facts
-SHARE = 0.6  # of the time, for robots one by one before some are taken together
+SHARE = 0.85  # of the time, for robots one by one before some are taken together
 
 
 def by_composite(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
