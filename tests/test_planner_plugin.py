@@ -385,3 +385,11 @@ def test_a_cars_arcs_stay_in_the_workspace() -> None:
     assert rows[:, 1].max() > 3.0
     assert not validator._core.free(*sides)
     assert validator._core.free([-2.0, 0.0, 1.0], [2.0, 0.0, -1.0])
+
+
+def test_a_body_that_turns_any_way_is_planned_though_its_quaternions_are_rounded() -> None:
+    """Scenarios keep six digits; OMPL takes no quaternion that is off by more than 1e-9."""
+    problem = Problem.of("cubicles")
+    q = composite(problem, time_limit=30.0).paths[0]
+    assert len(q) > 2
+    assert problem.world.check_motion(problem.robots[0], q[:-1], q[1:])
