@@ -7,13 +7,19 @@ import math
 from ..dice import Dice, micro
 from ..schema import Scenario
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
-from .registry import Metres, N, Seed, Size, builtin
+from .registry import Drive, Metres, N, Seed, Size, builtin
 
 RADIUS, WALL, HEIGHT = 0.25, 0.2, 0.6  # metres
 
 
 @builtin(dimension=2)
-def doorway(n: N = 6, seed: Seed = 0, size: Size = None, gap: Metres = 0.9) -> Scenario:
+def doorway(
+    n: N = 6,
+    seed: Seed = 0,
+    size: Size = None,
+    gap: Metres = 0.9,
+    drive: Drive = "differential",
+) -> Scenario:
     """Two rooms, one door: each half of the team goes to the other room.
 
     Args:
@@ -21,6 +27,7 @@ def doorway(n: N = 6, seed: Seed = 0, size: Size = None, gap: Metres = 0.9) -> S
         seed: of starts and goals.
         size: length of both rooms together, metres; grows with n if left out.
         gap: width of the door, metres; a robot is 0.5 wide.
+        drive: differential or holonomic.
     """
     width = size or micro(max(6.0, math.sqrt(4.0 * n)))
     depth = micro(0.6 * width)
@@ -30,15 +37,15 @@ def doorway(n: N = 6, seed: Seed = 0, size: Size = None, gap: Metres = 0.9) -> S
     shapes, bodies = fence(width, depth)
     for side, name in ((-1, "wall south"), (1, "wall north")):
         bodies.append(body("jamb", 0.0, side * (depth - jamb) / 2, name=name))
-    drive = {"kind": "differential", "speed": 1.0, "turn_rate": 2.0}
     disc = {"kind": "disc", "radius": RADIUS, "height": 0.35}
+    driven = {"kind": drive, "speed": 1.0, "turn_rate": 2.0}
     scenario = bare(
         "doorway",
         description=f"{n} robots change rooms through a door of {gap:g} m.",
         seed=seed,
         workspace=area(width, depth),
         shapes={"disc": disc, "jamb": block(WALL, jamb, HEIGHT), **shapes},
-        models={"disc": {"shape": "disc", "drive": drive, "lidar": {"rays": 36}}},
+        models={"disc": {"shape": "disc", "drive": driven, "lidar": {"rays": 36}}},
         robots=team(n, "disc", 3),
         bodies=bodies,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -15,6 +15,11 @@ from .registry import N, Seed, Size, builtin
 
 LANE, PITCH = 2.0, 3.5  # metres: width of a lane, room of a car in a queue
 CAR = {"kind": "car", "length": 2.5, "width": 1.2, "height": 1.2}
+TURNING = {
+    "car": {"wheelbase": 1.5, "min_turning_radius": 2.0},
+    "differential": {"turn_rate": 2.0},
+    "holonomic": {"turn_rate": 2.0},
+}
 TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosine and sine of quarter turns: east, north, ...
 
 
@@ -24,6 +29,7 @@ def intersection(
     seed: Seed = 0,
     size: Size = None,
     jitter: Annotated[float, Field(ge=0, le=0.3, strict=True)] = 0.2,
+    drive: Literal["car", "differential", "holonomic"] = "car",
 ) -> Scenario:
     """Cars from four roads cross at a junction: straight on, to the left or to the right.
 
@@ -32,6 +38,8 @@ def intersection(
         seed: of who goes where.
         size: length of both crossing roads, metres; grows with n if left out.
         jitter: metres that a car stands off its lane's middle, 0.3 at most.
+        drive: car; or, of the same size, what turns on the spot (differential) or goes any way
+            (holonomic).
     """
     queue = math.ceil(n / 4)
     side = size or micro(2 * (LANE + 1.0 + queue * PITCH))
@@ -39,7 +47,7 @@ def intersection(
         told = f"a queue of {queue} cars does not fit into {side:g} m"
         raise ScenarioError("intersection", [Problem(told, CROWDED)])
     quarter = micro(side / 2 - LANE - 0.3)
-    drive = {"kind": "car", "wheelbase": 1.5, "min_turning_radius": 2.0, "speed": 3.0}
+    driven = {"kind": drive, "speed": 3.0, **TURNING[drive]}
     corners = [(i, j) for i in (-1, 1) for j in (-1, 1)]
     at = LANE + 0.3 + quarter / 2
     scenario = bare(
@@ -48,7 +56,7 @@ def intersection(
         seed=seed,
         workspace=area(side, side),
         shapes={"car": CAR, "block": block(quarter, quarter, 0.8)},
-        models={"car": {"shape": "car", "drive": drive, "lidar": {"rays": 72, "range": 15.0}}},
+        models={"car": {"shape": "car", "drive": driven, "lidar": {"rays": 72, "range": 15.0}}},
         robots=team(n, "car", 3, goal_tolerance={"position": 0.3, "angle": 0.3}),
         bodies=[body("block", i * at, j * at) for i, j in corners],
     )

@@ -19,7 +19,7 @@ from ..dice import Dice, micro
 from ..schema import Scenario
 from ..trouble import Problem, ScenarioError
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
-from .registry import N, Seed, Size, builtin
+from .registry import Drive, N, Seed, Size, builtin
 
 PITCH, CLEAR = 2.0, 0.4  # metres: between lines; from a line to the next obstacle, at least
 DISC = {"kind": "disc", "radius": 0.3, "height": 0.35}  # the prism reaches 0.306 m
@@ -37,6 +37,7 @@ def random_(
     seed: Seed = 0,
     size: Size = None,
     fill: Annotated[float, Field(ge=0, le=1, strict=True)] = 0.8,
+    drive: Drive = "differential",
 ) -> Scenario:
     """Discs among random clutter, solvable by construction.
 
@@ -45,6 +46,7 @@ def random_(
         seed: of obstacles, starts and goals.
         size: side of the field, metres, at least 5; grows with n if left out.
         fill: share of the lattice's cells that hold an obstacle.
+        drive: differential or holonomic.
     """
     cells = int((size - 1.0) / PITCH) if size else max(3, math.ceil(math.sqrt(2 * n)))
     if cells < 2 or (cells + 1) ** 2 < n + 2:
@@ -59,14 +61,14 @@ def random_(
         slack = PITCH / 2 - CLEAR - CLUTTER[name][1]
         x, y = (_line(c + 0.5, cells) + dice.between(-slack, slack) for c in (i, j))
         bodies.append(body(name, x, y, dice.between(-math.pi, math.pi)))
-    drive = {"kind": "differential", "speed": 1.0, "turn_rate": 2.0}
+    driven = {"kind": drive, "speed": 1.0, "turn_rate": 2.0}
     scenario = bare(
         "random",
         description=f"{n} discs among {len(bodies)} obstacles.",
         seed=seed,
         workspace=area(side, side),
         shapes={"disc": DISC, **{name: form for name, (form, _) in CLUTTER.items()}},
-        models={"disc": {"shape": "disc", "drive": drive, "lidar": {"rays": 36}}},
+        models={"disc": {"shape": "disc", "drive": driven, "lidar": {"rays": 36}}},
         robots=team(n, "disc", 3),
         bodies=bodies,
     )

@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, validate_call
 
@@ -18,6 +18,7 @@ FOLDER = Path(__file__).parent
 N = Annotated[int, Field(ge=1, le=64, strict=True)]  # robots
 Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
 Size = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)] | None  # metres
+Drive = Literal["differential", "holonomic"]
 Metres = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)]
 
 

@@ -10,7 +10,7 @@ from pydantic import Field
 from ..dice import Dice, micro, sin_cos
 from ..schema import Scenario
 from .placing import Q, area, bare, block, scatter, sent, team
-from .registry import N, Seed, Size, builtin
+from .registry import Drive, N, Seed, Size, builtin
 
 BODIES = {
     "disc": {"kind": "disc", "radius": 0.3, "height": 0.35},
@@ -28,33 +28,41 @@ def swap(
     size: Size = None,
     body: Literal["disc", "long", "l"] = "disc",
     jitter: Annotated[float, Field(ge=0, le=10, strict=True)] = 0.0,
+    vary: Annotated[float, Field(ge=0, le=10, strict=True)] = 0.0,
+    drive: Drive | None = None,
 ) -> Scenario:
     """Robots on a circle swap places with those across: discs, long or L-shaped bodies.
 
     Args:
         n: robots.
-        seed: of the jitter.
+        seed: of the jitter, and of the circle.
         size: diameter of the circle, metres; grows with n if left out.
         body: disc, long or l.
         jitter: metres that starts and goals are moved along x and y, at most; 0 is symmetric.
+        vary: share by which the circle is larger, at most; over 0 it is turned by any angle, too.
+        drive: differential or holonomic; that of the body if left out.
     """
-    diameter = size or micro(max(4.0, n * ROOM[body] / math.pi))
-    side = diameter + 3.0 + 2 * jitter
-    drive = {"kind": DRIVES[body], "speed": 1.0, "turn_rate": 2.0}
+    least = size or micro(max(4.0, n * ROOM[body] / math.pi))
+    side = least * (1 + vary) + 3.0 + 2 * jitter
+    driven = {"kind": drive or DRIVES[body], "speed": 1.0, "turn_rate": 2.0}
     scenario = bare(
         "swap",
         description=f"{n} robots on a circle swap places with those across; body: {body}.",
         seed=seed,
         workspace=area(side, side),
         shapes={body: BODIES[body]},
-        models={body: {"shape": body, "drive": drive, "lidar": {"rays": 36}}},
+        models={body: {"shape": body, "drive": driven, "lidar": {"rays": 36}}},
         robots=team(n, body, 3),
     )
     dice = Dice(seed, 1)
+    diameter, phase = least, 0.0
+    if vary > 0:
+        diameter = dice.between(least, least * (1 + vary))
+        phase = dice.between(-math.pi, math.pi)
 
     def place(i: int, end: int) -> Q:
         """Start (end 1) or goal (end -1) of robot i, across; it faces its goal in both."""
-        angle = 2 * math.pi * i / n
+        angle = 2 * math.pi * i / n + phase
         y, x = sin_cos(angle)
         dx, dy = (dice.between(-jitter, jitter) for _ in range(2))
         r, yaw = 0.5 * end * diameter, math.remainder(angle + math.pi, 2 * math.pi)
