@@ -10,6 +10,7 @@ from fgenv.agents.named import named
 from fgenv.agents.orca import Orca
 from fgenv.agents.random_policy import RandomPolicy
 from fgenv.agents.rest import Rest
+from fgenv.agents.safe import Safe
 from fgenv.envs import Policy
 from fgenv.scenarios.trouble import near
 
@@ -42,7 +43,7 @@ POLICIES: dict[str, Callable[[int], Policy]] = {
 PLANNING: dict[str, Callable[[int, str], Policy]] = {"plan": _planned, "replan": _replanning}
 FORMS = (
     "goto, orca, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]],"
-    " mlp:FILE.npz, sb3:FILE.zip"
+    " mlp:FILE.npz, sb3:FILE.zip, safe:POLICY"
 )
 
 
@@ -53,6 +54,7 @@ def policy_of(name: str, seed: int = 0) -> Policy:
         name: of `POLICIES`. `plan` and `replan` may say how to plan: `plan:prioritized`,
             `plan:composite:PRM`; or which plan file to drive: `plan:FILE.npz`.
             `mlp:FILE`, `sb3:FILE` and those of other packages: see `fgenv.agents.named`.
+            `safe:NAME`: any of these behind a safety filter, see `Safe`.
         seed: of what is random in it, 0 or more.
 
     Raises:
@@ -63,6 +65,8 @@ def policy_of(name: str, seed: int = 0) -> Policy:
     kind, _, rest = name.partition(":")
     if seed < 0:
         raise ValueError(f"seed: {seed}, wanted 0 or more")
+    if kind == "safe":
+        return Safe(policy_of(rest, seed))
     if kind not in POLICIES:
         found = named(name, seed)
         if found is not None:

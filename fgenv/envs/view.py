@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +15,7 @@ from fgenv.robots import Robot
 from .assembly import directions, lidar_of
 from .observations import Part
 from .readings import GONE, MOVING
+from .rewards import Reward
 from .simulator import Simulator
 from .way_points import way_points_toward
 
@@ -128,6 +131,25 @@ class View:
         if self._simulator.actions == "way_points":
             return way_points_toward(self._simulator, targets)
         return self._simulator.toward(targets)
+
+    def meet(self, actions: ArrayLike) -> Flags:
+        """Who would run into something in a step with these actions, (worlds, robots).
+
+        Nothing moves: the step is made in a copy.
+
+        Raises:
+            ValueError: wrong shape, or a number that is not finite.
+        """
+        self._ahead.set_state(self._simulator.state())
+        self._ahead.step(actions)
+        return np.asarray(self._ahead.hits >= 0)
+
+    @cached_property
+    def _ahead(self) -> Simulator:
+        """A copy to look ahead in."""
+        made = copy.copy(self._simulator)
+        made.autoreset, made.reward = False, Reward({})
+        return made
 
     def world(self, k: int = 0) -> World:
         """A copy of a world with everything where it is now."""
