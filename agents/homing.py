@@ -6,6 +6,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from fgenv.agents.sb3 import FleetVecEnv
 from fgenv.agents.trained import homed
+from fgenv.envs import View
 
 
 class HomingVecEnv(FleetVecEnv):
@@ -22,7 +23,7 @@ class HomingVecEnv(FleetVecEnv):
         simulator = self.simulator
         if self.near > 0:
             shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-            own = simulator.toward(simulator.goals)
+            own = View(simulator).toward(simulator.goals)
             asked = homed(self._actions.reshape(shape), own, simulator.remaining, self.near)
             self._actions = asked.reshape(self.num_envs, -1)
         return super().step_wait()

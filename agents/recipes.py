@@ -44,10 +44,13 @@ class Recipe:
         stages: in order; their shares add up to 1. The last is what the policy is for.
         cases: of a scenario in each stage, each with a seed of its own.
         max_steps: of an episode while it learns.
+        actions: `drive` or `way_points`, see `Simulator`. Way points suit drives that cannot go
+            sideways: who is to go there turns, then drives.
         near: metres from the goal at which `goto` takes over; 0: it never does.
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
         n_steps: of each row between two updates; batch, epochs: of an update.
+        learning_rate: at first; it falls to 0 at the end.
         hidden: widths of the network's layers.
     """
 
@@ -56,6 +59,7 @@ class Recipe:
     stages: tuple[Stage, ...]
     cases: int = 200
     max_steps: int = 300
+    actions: str = "drive"
     near: float = 1.0
     steps: int = 4_000_000
     rows: int = 256

@@ -38,7 +38,7 @@ from fgenv.envs import Reward
 from fgenv.scenarios import FrozenSet, Scenario, frozen
 
 LEARN, CHECK = 10_000_000, 3_000_000  # seeds of cases, far from those of evaluation sets
-CHECKED = 30  # cases of an evaluation while it learns
+CHECKED = 100  # cases of an evaluation while it learns
 ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
 HEAD = "steps,success,robot_success,collision,seconds\n"
 
@@ -167,7 +167,7 @@ class Training:
 
     def save(self) -> None:
         """Write what is needed to go on."""
-        self.model.save(self.folder / "model.zip")
+        self._save_model()
         self.normal.save(str(self.folder / "model.pkl"))
         about = self.export().about
         told = {name: about[name] for name in ("observation", "actions", "near")}
@@ -217,13 +217,23 @@ class Training:
             self.model = model_of(self.wanted.recipe, self.normal, self.wanted.seed)
         else:
             if self.model is not None:
-                self.model.save(self.folder / "model.zip")
+                self._save_model()
             self.model = PPO.load(self.folder / "model.zip", env=self.normal, device="cpu")
             self.model.batch_size = batch_of(self.wanted.recipe, self.normal.num_envs)
             set_random_seed(seed)
+        self.model.lr_schedule = self._rate
         self.normal.seed(seed)
         kinds = ["csv", *(["tensorboard"] if getattr(logger, "SummaryWriter", None) else [])]
         self.model.set_logger(configure(str(self.folder / "log" / f"{number}-{self.steps}"), kinds))
+
+    def _save_model(self) -> None:
+        """Without its learning rate, which is a method of this."""
+        self.model.save(self.folder / "model.zip", exclude=["lr_schedule"])
+
+    def _rate(self, _: float) -> float:
+        """The learning rate now: it falls to 0 at the end of all stages."""
+        left = 1.0 - self.steps / self.wanted.steps
+        return self.wanted.recipe.learning_rate * max(0.0, left)
 
     def _envs(self, number: int, stage: Stage) -> MixedVecEnv:
         seed = LEARN + 100_000 * self.wanted.seed + 10_000 * number
@@ -245,6 +255,7 @@ class Training:
             max(1, rows // robots),
             observation=recipe.observation,
             reward=paid(recipe.reward, stage.collision),
+            actions=recipe.actions,
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
