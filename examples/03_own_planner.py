@@ -20,7 +20,8 @@ def valid(state: ob.SE3State) -> bool:
     return not collide(robot, pose, obstacle, np.eye(4))
 
 
-def main() -> None:
+def plan() -> list[tuple[float, ...]]:
+    """Way points: x, y, z in metres, and the quaternion w, x, y, z."""
     ou.setLogLevel(ou.LOG_NONE)
     ou.RNG.setSeed(1)  # before anything is built
     bounds = ob.RealVectorBounds(3)
@@ -39,9 +40,13 @@ def main() -> None:
     setup.solve(30.0)
     assert setup.haveExactSolutionPath()
     path = setup.getSolutionPath()
-    states = [path.getState(i) for i in range(path.getStateCount())]
-    for x, y, z in [(s.getX(), s.getY(), s.getZ()) for s in states]:
-        print(f"ring at ({x:.2f}, {y:.2f}, {z:.2f}) m")
+    found: list[tuple[float, ...]] = []
+    for s in (path.getState(i) for i in range(path.getStateCount())):
+        q = s.rotation()
+        found.append((s.getX(), s.getY(), s.getZ(), q.w, q.x, q.y, q.z))
+    return found
 
 
-main()
+way = plan()
+for x, y, z, *_ in way:
+    print(f"ring at ({x:.2f}, {y:.2f}, {z:.2f}) m")

@@ -10,23 +10,22 @@ from trimesh.transformations import rotation_matrix, translation_matrix
 from fgenv.collision import Shape, World
 
 
-def shape(mesh: trimesh.Trimesh) -> Shape:
-    """What bodies are made of; any number of them may share one."""
-    return Shape(mesh.vertices, mesh.faces)
-
-
 def place(x: float, y: float, yaw: float = 0.0) -> NDArray[np.float64]:
     """A pose on the floor: metres and radians."""
     return np.asarray(translation_matrix([x, y, 0.5]) @ rotation_matrix(yaw, [0, 0, 1]))
 
 
-crate, cart = shape(trimesh.creation.box((1.0, 1.0, 1.0))), trimesh.creation.box((1.0, 0.6, 0.3))
+box = trimesh.creation.box
+crate, cart, panel = (  # what bodies are made of; any number of them may share one
+    Shape(mesh.vertices, mesh.faces)
+    for mesh in (box((1.0, 1.0, 1.0)), box((1.0, 0.6, 0.3)), box((0.05, 1.9, 1.0)))
+)
 world = World()
 for x in range(20):
     for y in range(20):
         world.add(crate, place(2.0 * x, 2.0 * y), name=f"crate {x}, {y}")
-first = world.add(shape(cart), place(1.0, -2.0), name="first")
-second = world.add(shape(cart), place(37.0, -2.0), name="second")
+first = world.add(cart, place(1.0, -2.0), name="first")
+second = world.add(cart, place(37.0, -2.0), name="second")
 
 # Each robot's path marks the few crates that it can meet, with a bit of its own.
 lane = [place(1.0, -2.0, np.pi / 2), place(1.0, 15.0, np.pi / 2), place(1.0, 15.0, 0.0)]
@@ -41,8 +40,7 @@ assert {world.mask(body) for body in far} == {2}
 
 # Every leg is proved free, or its first contact is bracketed to a micrometre.
 for start, end in pairwise(lane):
-    result = world.check_motion(first, start, end)
-    assert result
+    assert world.check_motion(first, start, end)
 across = world.check_motion(first, lane[-1], place(20.0, 15.0))
 print(f"straight on it is free up to {19.0 * across.contact:.6f} m: nothing stands in this aisle")
 across = world.check_motion(first, lane[-1], place(20.0, 14.0))
@@ -50,7 +48,7 @@ met = world.record(across.other).name
 print(f"slanting it is free up to {np.hypot(19.0, 1.0) * across.contact:.6f} m, then {met} is met")
 
 # A door known to open in time: shut at 0 s, aside at 4 s.
-door = world.add(shape(trimesh.creation.box((0.05, 1.9, 1.0))), place(5.0, 15.0), name="door")
+door = world.add(panel, place(5.0, 15.0), name="door")
 world.set_trajectory(door, [0.0, 4.0], [place(5.0, 15.0), place(5.0, 16.9)])
 for begin in (0.0, 4.0):
     drive = world.check_motion(first, lane[-1], place(9.0, 15.0), t0=begin, t1=begin + 4.0)

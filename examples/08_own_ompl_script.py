@@ -14,6 +14,7 @@ from fgenv.planners import MotionValidator, StateValidityChecker
 from fgenv.robots import Robot
 
 ou.setLogLevel(ou.LOG_WARN)
+ou.RNG.setSeed(1)  # before anything is built
 
 sofa, wall = trimesh.creation.box((1.8, 0.8, 0.7)), trimesh.creation.box((0.1, 3.0, 2.5))
 world, part = World(), Shape(wall.vertices, wall.faces)
@@ -40,6 +41,7 @@ setup.setStartAndGoalStates(start, goal)
 setup.setPlanner(og.RRTConnect(si))
 assert setup.solve(10.0)
 assert setup.haveExactSolutionPath()
+setup.simplifySolution()
 
 path = setup.getSolutionPath()
 states = [path.getState(k) for k in range(path.getStateCount())]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -36,10 +37,17 @@ def test_rates_are_medians() -> None:
     assert found == {"name": "x", "rows": 8, "gather": 5.0, "learn": 4.0}
 
 
-def test_the_command_tells_rates(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_tells_rates_and_draws_them(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("supersuit")
     monkeypatch.setattr(train, "ROWS", {"fgenv": 2, "SuperSuit": 2})
-    done = CliRunner().invoke(app, ["bench", "train", "--rounds", "1", "--json"])
+    path = tmp_path / "rates.png"
+    done = CliRunner().invoke(
+        app, ["bench", "train", "--rounds", "1", "--json", "--plot", str(path)]
+    )
     assert done.exit_code == 0, done.output
+    assert path.stat().st_size > 1000
     rates = json.loads(done.stdout)["rates"]
     assert rates[0]["name"] == "fgenv"
     assert all(rate["rows"] == 16 and rate["gather"] > rate["learn"] > 0 for rate in rates)

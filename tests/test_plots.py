@@ -66,6 +66,7 @@ def test_command(record: Record, shell: Shell) -> None:
             assert np.ptp(np.asarray(picture.convert("L"))) > 100
     for kind, path, said in (
         ("speed", "a.png", "kind: 'speed', wanted clearance, masks, space-time"),
+        ("learning", "a.png", "run.npz: wanted the evaluations.csv"),
         ("masks", "a.gif", "ends in .png, .svg, .pdf"),
         ("masks", "no/a.png", "there is no folder no"),
     ):

@@ -141,3 +141,16 @@ def test_motions_are_as_shown() -> None:
     assert both.free.tolist() == [False, False]
     assert both.other.tolist() == [names["door"], names["bullet"]]
     assert names["later"].free
+
+
+def test_pictures_are_there_and_small() -> None:
+    """Those shown are committed, those committed are shown, and a clone stays small."""
+    shown = set(re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README))
+    root = Path(__file__).parent.parent
+    kept = {
+        path.relative_to(root).as_posix() for path in (root / "examples").rglob("*.[pg][ni][gf]")
+    }
+    assert shown == kept
+    sizes = {name: (root / name).stat().st_size for name in shown}
+    assert max(sizes.values()) < 1_000_000
+    assert max(size for name, size in sizes.items() if name.endswith(".png")) < 100_000

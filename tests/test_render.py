@@ -7,11 +7,13 @@ from shell import Shell
 
 from fgenv.agents import policy_of, run_episode
 from fgenv.envs import Record, Simulator
+from fgenv.view.fleet import FleetPainter
 from fgenv.view.frames import frames_of
 from fgenv.view.gallery import corners_of
-from fgenv.view.masking import world_at
+from fgenv.view.masking import links, world_at
 from fgenv.view.meetings import meetings
 from fgenv.view.moving import CAMERAS, Tripod
+from fgenv.view.notes import Notes
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,7 @@ def test_notes_are_drawn_over_the_frame(record: Record) -> None:
     first = meetings(record)[0]
     step = int(np.ceil(first.begin / record.dt))
     (plain,) = frames_of(record, [step])
-    for note in ("time", "collisions", "masks"):
+    for note in ("time", "trails", "collisions", "masks"):
         (noted,) = frames_of(record, [step], notes=[note])
         other = (noted != plain).any(axis=2)
         assert 20 < other.sum() < 0.2 * other.size
@@ -48,6 +50,43 @@ def test_notes_are_drawn_over_the_frame(record: Record) -> None:
         next(frames_of(record, [0], notes=["who"]))
     with pytest.raises(ValueError, match="camera: 'low'"):
         next(frames_of(record, [0], camera="low"))
+
+
+def test_trails_are_where_robots_have_been(record: Record) -> None:
+    """And only there: no pixel changes that is not near a robot's way."""
+    built, step = record.scenario.build(), 20
+    (plain,), (trailed,) = (frames_of(record, [step], notes=notes) for notes in ([], ["trails"]))
+    changed = np.argwhere((trailed != plain).any(axis=2))[:, ::-1] + 0.5
+    camera = Tripod("overview", built, FleetPainter(built).corners, 480, 360).at(0, built.starts[0])
+    ways = record["configurations"][:, :, :3] * (1.0, 1.0, 0.0)
+    pixels, _ = camera.project(ways.reshape(-1, 3))
+    far = np.linalg.norm(changed[:, None] - pixels, axis=2).min(axis=1)
+    assert len(changed) > 100
+    assert far.max() < 8.0
+
+
+def test_a_mask_colours_what_bears_its_bit_and_no_other(record: Record) -> None:
+    built, step = record.scenario.build(), 3
+    over = Notes(record, built, ["masks"], [], [1])
+    world = world_at(record, built, step)
+    marked = over.candidates(world, step)
+    assert marked == set(world.candidates("robot 2").tolist())
+    for body, line in links(world, "robot 2"):
+        low, high = world.record(body).shape.bounds
+        pose = world.record(body).pose
+        local = (line[1] - pose[:3, 3]) @ pose[:3, :3]
+        assert ((local >= low - 1e-9) & (local <= high + 1e-9)).all()
+
+
+def test_an_overview_is_from_where_it_is_told(record: Record) -> None:
+    built = record.scenario.build()
+    corners = corners_of(built.world())
+    look = "overview", built, corners, 480, 360, 0
+    ahead = Tripod(*look, azimuth=0.3, elevation=0.9).at(0.0, built.starts[0]).axes[2]
+    assert np.arctan2(-ahead[1], -ahead[0]) == pytest.approx(0.3)
+    assert np.arcsin(-ahead[2]) == pytest.approx(0.9)
+    with pytest.raises(ValueError, match="of the camera overview, got 'orbit'"):
+        Tripod("orbit", built, corners, 480, 360, azimuth=0.3)
 
 
 def test_masks_of_a_record_are_those_of_its_world(record: Record) -> None:
@@ -68,7 +107,13 @@ def test_command(record: Record, shell: Shell) -> None:
     with Image.open("a.gif") as movie, Image.open("a.png") as picture:
         assert movie.size == picture.size == (128, 96)
         assert movie.n_frames == 11
+    shell("render", "run.npz", "--gif", "b.gif", "--size", "128x96", "--fps", "5", "--speed", "2")
+    with Image.open("b.gif") as movie:
+        assert movie.n_frames == 6  # 2 s of 20 steps in 1 s
     for words, said in (
+        (("--png", "a.png", "--elevation", "120"), "--elevation: 120, wanted 5 to 89 degrees"),
+        (("--png", "a.png", "--azimuth", "400"), "--azimuth: 400, wanted -360 to 360 degrees"),
+        (("--png", "a.png", "--camera", "top", "--azimuth", "0"), "are of --camera overview"),
         ((), "nothing to write; wanted --gif, --mp4 or --png"),
         (("--png", "a.jpg"), "ends in .png"),
         (("--png", "a.png", "--camera", "low"), "--camera: 'low', wanted overview, top"),

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from fgenv.cli import bench_env, bench_fleets, bench_planners, bench_train, bench_world
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.options import Bars, Json, Seed
 
 app = typer.Typer(
     name="bench",
@@ -40,9 +40,11 @@ def bench(
     threads: Annotated[
         bool, typer.Option("--threads/--no-threads", help="Also race two threads against one.")
     ] = True,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", dir_okay=False, help="Draw the times to this file.")
+    curves: Annotated[
+        Path | None,
+        typer.Option("--curves", dir_okay=False, help="Draw µs a query over triangles to this."),
     ] = None,
+    plot: Bars = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -57,11 +59,17 @@ def bench(
     from fgenv.bench.catalogue import chosen
     from fgenv.bench.pairs import bench_pairs, machine, summary
     from fgenv.bench.peers import peer, selected
+    from fgenv.bench.ratios import of_pairs
     from fgenv.bench.report import NOTE, peer_table, plot_times, ratio_table
+    from fgenv.view import bars
+    from fgenv.view.canvas import checked
 
     console = Console(stderr=as_json)
     chosen(which)  # a wrong name is told before anything is printed
     names = selected(peers)
+    for option, path in (("--plot", plot), ("--curves", curves)):
+        if path is not None:
+            checked(path, option)
     versions = {name: peer(name).version for name in names}
     about = machine()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
@@ -80,7 +88,9 @@ def bench(
         console.print(ratio_table(records, overall))
     console.print(NOTE)
     if plot is not None:
-        plot_times(records, plot)
+        bars.draw(of_pairs(records), "A query, poses in one batch", plot)
+    if curves is not None:
+        plot_times(records, curves)
     if as_json:
         document = {
             "machine": about,

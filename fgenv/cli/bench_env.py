@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.options import Bars, Json, Seed
 
 
 def env(
     quick: Annotated[
         bool, typer.Option("--quick", help="Short rounds, up to 32 worlds: half a minute.")
     ] = False,
+    plot: Bars = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -29,7 +30,12 @@ def env(
     from fgenv.bench.env.peers import peers, versions
     from fgenv.bench.env.run import bench_env
     from fgenv.bench.pairs import machine, summary
+    from fgenv.bench.ratios import of_rates
+    from fgenv.view import bars
+    from fgenv.view.canvas import checked
 
+    if plot is not None:
+        checked(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     about, numbers = machine(), versions()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
@@ -43,6 +49,8 @@ def env(
             done.setdefault(kind, []).append(record)
             status.update(f"{kind}: {len(done[kind])} done")
     show(console, list(done)[-1], done)
+    if plot is not None:
+        bars.draw(of_rates(done["rates"]), "Robot-steps in a CPU second", plot)
     if as_json:
         document = {
             "machine": about,

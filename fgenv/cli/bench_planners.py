@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.options import Bars, Json, Seed
 
 
 def planners(
@@ -51,6 +51,7 @@ def planners(
     quick: Annotated[
         bool, typer.Option("--quick", help="cubicles, 2 seeds, 5 s, no arms: a few seconds.")
     ] = False,
+    plot: Bars = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -67,7 +68,12 @@ def planners(
 
     from fgenv.bench.pairs import machine
     from fgenv.bench.planners.run import Wanted, bench_planners
+    from fgenv.bench.ratios import of_problems
+    from fgenv.view import bars
+    from fgenv.view.canvas import checked
 
+    if plot is not None:
+        checked(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     given: dict[str, Any] = {"resolution": resolution, "traps": traps, "mbm": mbm}
     given |= {
@@ -95,6 +101,8 @@ def planners(
                 show(console, list(done)[-1], done)
             done.setdefault(kind, []).append(record)
     show(console, list(done)[-1], done)
+    if plot is not None:
+        bars.draw(of_problems(done["problems"]), "Time to the first solution", plot)
     if as_json:
         document = {"machine": about, "versions": versions, "settings": asdict(wanted), **done}
         typer.echo(json.dumps(document, indent=1))

@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.options import Bars, Json, Seed
 
 
 def train(
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Counted rounds.")] = 3,
+    plot: Bars = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -25,8 +26,13 @@ def train(
     from rich.table import Table
 
     from fgenv.bench.pairs import machine
+    from fgenv.bench.ratios import of_training
     from fgenv.bench.train import bench_train
+    from fgenv.view import bars
+    from fgenv.view.canvas import checked
 
+    if plot is not None:
+        checked(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     about = machine()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']}")
@@ -39,5 +45,7 @@ def train(
         table.add_row(r["name"], f"{r['rows']:,}", f"{r['gather']:,.0f}", f"{r['learn']:,.0f}")
     console.print(table)
     console.print("gathered: the environment and the policy's actions; learned from: all of PPO")
+    if plot is not None:
+        bars.draw(of_training(records), "Samples in a CPU second", plot)
     if as_json:
         typer.echo(json.dumps({"machine": about, "seed": seed, "rates": records}, indent=1))

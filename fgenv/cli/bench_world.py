@@ -8,17 +8,18 @@ from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.options import Bars, Json, Seed
 
 
 def world(
     quick: Annotated[
         bool, typer.Option("--quick", help="Up to 1000 bodies and few motions: a minute.")
     ] = False,
-    plot: Annotated[
+    curves: Annotated[
         Path | None,
-        typer.Option("--plot", dir_okay=False, help="Draw steps and tests over bodies to this."),
+        typer.Option("--curves", dir_okay=False, help="Draw steps and tests over bodies to this."),
     ] = None,
+    plot: Bars = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -35,9 +36,15 @@ def world(
     from rich.console import Console
 
     from fgenv.bench.pairs import machine
+    from fgenv.bench.ratios import of_steps
     from fgenv.bench.world import report
     from fgenv.bench.world.run import bench_world
+    from fgenv.view import bars
+    from fgenv.view.canvas import checked
 
+    for option, path in (("--plot", plot), ("--curves", curves)):
+        if path is not None:
+            checked(path, option)
     console = Console(stderr=as_json, highlight=False)
     about = machine()
     packages = ("fgenv", "python-fcl", "coal", "trimesh", "mujoco")
@@ -54,7 +61,9 @@ def world(
             status.update(f"{kind}: {len(done[kind])} done")
     show(console, list(done)[-1], done)
     if plot is not None:
-        report.plot(done, plot)
+        bars.draw(of_steps(done["steps"]), "All pairs a step", plot)
+    if curves is not None:
+        report.plot(done, curves)
     if as_json:
         settings = {"seed": seed, "quick": quick}
         document = {"machine": about, "versions": versions, "settings": settings, **done}

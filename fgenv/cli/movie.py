@@ -23,13 +23,14 @@ def draw(
     console: Console,
     size: tuple[int, int] = (480, 360),
     look: dict[str, Any] | None = None,
+    speed: float = 1.0,
 ) -> None:
-    """The movie of a record, in real time; `look` is what `frames_of` takes beside."""
+    """The movie of a record, `speed` times real time; `look` is what `frames_of` takes beside."""
     from fgenv.view.frames import frames_of, steps_shown
     from fgenv.view.movie import frame_seconds, write_movie
 
-    seconds = frame_seconds(path, min(fps or MOST_FPS, 1 / record.dt))
-    steps = steps_shown(record, seconds)
+    seconds = frame_seconds(path, min(fps or MOST_FPS, speed / record.dt))
+    steps = steps_shown(record, speed * seconds)
     with progress(console) as bar:
         task = bar.add_task("drawing", total=len(steps))
         frames = bar.track(

@@ -22,6 +22,14 @@ Threads = Annotated[
         help="Threads for batched queries; results do not depend on it.",
     ),
 ]
+Bars = Annotated[
+    Path | None,
+    typer.Option(
+        "--plot",
+        dir_okay=False,
+        help="Draw how many times faster fgenv is, as bars (.png, .svg, .pdf).",
+    ),
+]
 Out = Annotated[
     Path,
     typer.Option("--out", file_okay=False, help="Folder for the files written; made if missing."),

@@ -1,4 +1,4 @@
-"""``fgenv plot``: a plot of a recorded episode."""
+"""``fgenv plot``: a plot of a recorded episode, or of a training."""
 
 from __future__ import annotations
 
@@ -7,36 +7,48 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli.replay import Recorded
-
 
 def kinds(incomplete: str) -> list[str]:
     """Kinds of plots, for tab completion."""
-    return [k for k in ("clearance", "masks", "space-time") if k.startswith(incomplete)]
+    return [k for k in ("clearance", "masks", "space-time", "learning") if k.startswith(incomplete)]
 
 
 def plot(
-    record: Recorded,
+    record: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Of fgenv run --record, a plan of fgenv plan --out (.npz), or the"
+            " evaluations.csv of fgenv train.",
+        ),
+    ],
     kind: Annotated[
         str,
-        typer.Option("--kind", help="clearance, masks or space-time.", autocompletion=kinds),
+        typer.Option(
+            "--kind", help="clearance, masks, space-time or learning.", autocompletion=kinds
+        ),
     ],
     out: Annotated[
         Path, typer.Option("--out", dir_okay=False, help="The plot (.png, .svg, .pdf).")
     ],
 ) -> None:
-    """Plot a recorded episode, or a plan, over time.
+    """Plot a recorded episode, or a plan, over time; or how a training went.
 
     clearance: each robot's distance to whatever is nearest (measured now where
     the record has none), and when contacts begin. masks: how many bodies each
     robot's mask leaves to be tested, by its motion of the next second.
     space-time: where each robot is along the longest way of all; in a corridor,
-    who waits and who passes.
+    who waits and who passes. learning: shares of success and collisions over
+    the steps of a training.
     """
+    from fgenv.view.curves import learning
     from fgenv.view.episodes import load_episode
     from fgenv.view.plots import plot as draw
 
     if not out.parent.is_dir():
         raise ValueError(f"--out: {out}: there is no folder {out.parent}; make it first")
-    draw(load_episode(record), kind, out)
+    if kind == "learning":
+        learning(record, out)
+    else:
+        draw(load_episode(record), kind, out)
     typer.echo(f"written: {out}, {out.stat().st_size:,} bytes")

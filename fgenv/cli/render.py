@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -30,12 +31,25 @@ def render(
     ] = "overview",
     robot: Annotated[
         str | None,
-        typer.Option("--robot", help="Whom follow follows.", show_default="the first"),
+        typer.Option(
+            "--robot",
+            help="Whom follow follows; whose masks alone are drawn.",
+            show_default="the first; all masks",
+        ),
+    ] = None,
+    azimuth: Annotated[
+        float | None,
+        typer.Option("--azimuth", help="Degrees: where overview looks from; -90 is the south."),
+    ] = None,
+    elevation: Annotated[
+        float | None,
+        typer.Option("--elevation", help="Degrees: how high above the floor overview looks from."),
     ] = None,
     notes: Annotated[
         str,
         typer.Option(
-            "--notes", help="What is drawn over it: time, collisions, masks; none; with commas."
+            "--notes",
+            help="What is drawn over it: time, trails, collisions, masks; none; with commas.",
         ),
     ] = "time,collisions",
     size: Annotated[str, typer.Option("--size", help="Pixels, WIDTHxHEIGHT.")] = "480x360",
@@ -49,13 +63,17 @@ def render(
             show_default="25 at most",
         ),
     ] = None,
+    speed: Annotated[
+        float, typer.Option("--speed", min=0.1, max=100.0, help="Of a movie, times real time.")
+    ] = 1.0,
 ) -> None:
-    """Draw a recorded episode, or a plan, as a movie in real time or as a picture.
+    """Draw a recorded episode, or a plan, as a movie or as a picture.
 
     No display and no OpenGL are needed. top looks straight down, follow keeps
-    to a robot, orbit goes around everything. Notes: collisions rings contacts
-    and says who meets whom; masks boxes whatever bears the bit of a robot, by
-    its motion of the next second, with a line from that robot.
+    to a robot, orbit goes around everything. Notes: trails show where robots
+    have been for four seconds; collisions rings contacts and says who meets
+    whom; masks colours what bears the bit of a robot, by its motion of the next
+    second, with a line from that robot.
     """
     from rich.console import Console
 
@@ -77,7 +95,15 @@ def render(
     for path in (p for p in (gif, mp4) if p is not None):
         frame_seconds(path, fps or MOST_FPS)
     episode = load_episode(record)
-    look: dict[str, Any] = {"camera": camera, "robot": place(episode, robot), "notes": drawn}
+    look: dict[str, Any] = {
+        "camera": camera,
+        "robot": place(episode, robot),
+        "notes": drawn,
+        "azimuth": radians(azimuth, "--azimuth", 360.0),
+        "elevation": radians(elevation, "--elevation", 89.0),
+    }
+    if camera != "overview" and (azimuth, elevation) != (None, None):
+        raise ValueError(f"--azimuth, --elevation: are of --camera overview, got {camera}")
     if png is not None:
         from PIL import Image
 
@@ -85,7 +111,7 @@ def render(
         (frame,) = frames_of(episode, [step], width, height, **look)
         Image.fromarray(frame).save(png, optimize=True)
     for path in (p for p in (gif, mp4) if p is not None):
-        draw(episode, path, fps, Console(highlight=False), (width, height), look)
+        draw(episode, path, fps, Console(highlight=False), (width, height), look, speed)
     for path in wanted:
         typer.echo(f"written: {path}, {path.stat().st_size:,} bytes")
 
@@ -116,10 +142,20 @@ def pixels(size: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def place(record: Record, name: str | None) -> int:
-    """Which robot has that name; the first if none is given."""
+def radians(degrees: float | None, option: str, most: float) -> float | None:
+    """An angle in radians; ValueError beyond `most` degrees, or where an elevation is not up."""
+    if degrees is None:
+        return None
+    least = 5.0 if option == "--elevation" else -most
+    if not least <= degrees <= most:
+        raise ValueError(f"{option}: {degrees:g}, wanted {least:g} to {most:g} degrees")
+    return math.radians(degrees)
+
+
+def place(record: Record, name: str | None) -> int | None:
+    """Which robot has that name, if one is given."""
     if name is None:
-        return 0
+        return None
     if name not in record.names:
         raise ValueError(f"--robot: {name!r}, wanted one of {', '.join(record.names)}")
     return record.names.index(name)

@@ -14,6 +14,7 @@ from fgenv.collision import FeatureGraph, Shape
 from fgenv.collision.world import Record
 from fgenv.scenarios import Scene, bounds
 from fgenv.view.camera import Camera
+from fgenv.view.fewer import small
 from fgenv.view.layout import beside, captioned
 from fgenv.view.palette import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, STEEL, VERMILION, Color
 from fgenv.view.picture import Picture
@@ -32,7 +33,7 @@ def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in FIGURES.items():
-        figure(experiment).save(target / name)
+        small(figure(experiment)).save(target / name, optimize=True)
         yield target / name
 
 

@@ -12,7 +12,7 @@ from fgenv.view.camera import Camera, overview
 from fgenv.view.frame import Mark, Painter
 from fgenv.view.gallery import corners_of
 from fgenv.view.movie import Frame
-from fgenv.view.palette import robot_color, static_color
+from fgenv.view.palette import MARKED, robot_color, static_color
 from fgenv.view.surfaces import Floats, Floor
 
 
@@ -37,6 +37,12 @@ class FleetPainter:
         self._floor = Floor(height=min(0.0, float(every[:, 2].min())))
         self._radii = [reaches(robot)[robot.root] for robot in built.robots]
         self._here: list[int] | None = None
+        self._tinted: set[str] = set()
+
+    def tint(self, names: set[str]) -> None:
+        """Draw those bodies that stand in another colour, and only those."""
+        if names != self._tinted:
+            self._tinted, self._here = names, None
 
     def paint(
         self,
@@ -67,7 +73,10 @@ class FleetPainter:
             (part.shape, robot_color(i)) for i in present for part in self.built.robots[i].parts
         ]
         shapes = [*self.built.shapes, *(shape for shape, _ in robots)]
-        stone = [static_color(shape.name) for shape in self.built.shapes]
+        stone = [
+            MARKED if name in self._tinted else static_color(shape.name)
+            for name, shape in zip(self.built.names, self.built.shapes, strict=True)
+        ]
         colors = [*stone, *(color for _, color in robots)]
         return Painter(shapes, colors, self.camera, floor=self._floor)
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fgenv.view.fleet import FleetPainter
+from fgenv.view.masking import world_at
 from fgenv.view.meetings import meetings
 from fgenv.view.movie import Frame
 from fgenv.view.moving import Tripod
-from fgenv.view.notes import annotated, check
+from fgenv.view.notes import Notes
 
 if TYPE_CHECKING:
     from fgenv.envs import Record
@@ -31,30 +32,37 @@ def frames_of(
     height: int = 360,
     *,
     camera: str = "overview",
-    robot: int = 0,
+    robot: int | None = None,
     notes: Sequence[str] = (),
+    azimuth: float | None = None,
+    elevation: float | None = None,
 ) -> Iterator[Frame]:
     """Frames (height, width, 3) of a record after some of its steps, 0 being before the first.
 
     Args:
         camera: of `moving.CAMERAS`.
-        robot: which one `follow` follows.
+        robot: which one `follow` follows (the first if left out), whose masks alone are drawn.
         notes: what is written over them: of `notes.NOTES`.
+        azimuth, elevation: rad, of where `overview` looks from.
 
     Raises:
-        ValueError: no such camera, robot or note.
+        ValueError: no such camera, robot or note, or a camera that looks from elsewhere.
     """
-    check(notes)
-    if not 0 <= robot < record.n_robots:
+    if robot is not None and not 0 <= robot < record.n_robots:
         raise ValueError(f"robot: {robot}, wanted 0 to {record.n_robots - 1}")
-    built, met = record.scenario.build(), meetings(record)
+    built, followed = record.scenario.build(), robot or 0
+    whose = None if robot is None else [robot]
+    over = Notes(record, built, notes, meetings(record), whose)
     painter = FleetPainter(built, width=width, height=height)
-    tripod = Tripod(camera, built, painter.corners, width, height, robot)
+    tripod = Tripod(camera, built, painter.corners, width, height, followed, azimuth, elevation)
     for step in steps:
         q = record["configurations"][step]
-        painter.camera = tripod.at(step * record.dt, q[robot])
+        painter.camera = tripod.at(step * record.dt, q[followed])
         here = record["status"][step] != GONE
+        masked = "masks" in notes
+        world = world_at(record, built, step, masked) if masked or "trails" in notes else None
+        if world is not None and masked:
+            marked = over.candidates(world, step)
+            painter.tint({name for name in built.names if int(world.parts(name)[0]) in marked})
         frame = painter.paint(q, built.goals, here)
-        if notes:
-            frame = annotated(frame, painter.camera, record, built, step, notes, met)
-        yield frame
+        yield over.over(frame, painter.camera, step, world) if notes else frame

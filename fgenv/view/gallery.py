@@ -8,6 +8,7 @@ from PIL import Image
 from fgenv.collision import World
 from fgenv.scenarios import Built, Scenario, bounds
 from fgenv.view.camera import box_corners, overview
+from fgenv.view.fewer import small
 from fgenv.view.palette import robot_color, static_color
 from fgenv.view.picture import Picture
 from fgenv.view.surfaces import Floats, Floor, Solid
@@ -15,7 +16,6 @@ from fgenv.view.surfaces import Floats, Floor, Solid
 GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; metres of marks over the floor
 GLASS, CLEAR = "glass", 0.25  # group of bodies that are seen through, and their opacity
 RING = np.linspace(0.0, 2 * np.pi, 33)
-COLORS = 176  # of 256, that are common in a picture
 
 
 def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image:
@@ -39,16 +39,6 @@ def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image
         if robot.base != "fixed":
             mark(picture, built, i)
     return small(picture.image())
-
-
-def small(image: Image.Image) -> Image.Image:
-    """The picture in 256 colours, for a small file: half of them common, half far apart."""
-    common = image.quantize(COLORS, Image.Quantize.MEDIANCUT)
-    apart = image.quantize(256 - COLORS, Image.Quantize.MAXCOVERAGE)
-    palette = Image.new("P", (1, 1))
-    both = [(common.getpalette() or []), (apart.getpalette() or [])]
-    palette.putpalette(both[0][: 3 * COLORS] + both[1][: 3 * (256 - COLORS)])
-    return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def corners_of(world: World) -> Floats:

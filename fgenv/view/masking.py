@@ -46,8 +46,25 @@ def world_at(record: Record, built: Built, step: int, masks: bool = True) -> Wor
     return world
 
 
+def links(world: World, robot: str) -> list[tuple[int, Floats]]:
+    """Who bears a robot's bit, and a line (2, 3) from the robot to each, where its box begins."""
+    here = middle(world, int(world.parts(robot)[0]))
+    found = world.candidates(robot).tolist()
+    return [(body, np.array([here, nearby(world, body, here)])) for body in found]
+
+
 def middle(world: World, body: int) -> Floats:
     """The middle (3,) of a body's box."""
     record = world.record(body)
     local = record.shape.bounds.mean(axis=0)
     return np.asarray(record.pose[:3, :3] @ local + record.pose[:3, 3])
+
+
+def nearby(world: World, body: int, point: Floats) -> Floats:
+    """The point (3,) of a body's box that is nearest to one; its middle where that is inside."""
+    record = world.record(body)
+    low, high = record.shape.bounds
+    local = record.pose[:3, :3].T @ (point - record.pose[:3, 3])
+    if ((local > low) & (local < high)).all():
+        return middle(world, body)
+    return np.asarray(record.pose[:3, :3] @ np.clip(local, low, high) + record.pose[:3, 3])

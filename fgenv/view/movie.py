@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from fgenv.view.gallery import small
+from fgenv.view.fewer import Palette
+from fgenv.view.palette import TEAM
 
 Frame = NDArray[np.uint8]  # (height, width, 3), rows from the top
 SUFFIXES = (".gif", ".mp4")
@@ -96,13 +97,16 @@ def checked(frames: Iterable[Frame], counted: Iterator[int], even: bool) -> Iter
 
 
 def write_gif(path: Path, frames: Iterator[Frame], seconds: float) -> None:
-    """In the 256 colours of the first frame, so that what stands still does not flicker."""
-    first = small(Image.fromarray(next(frames)))
-    rest = (
-        Image.fromarray(frame).quantize(palette=first, dither=Image.Dither.NONE) for frame in frames
-    )
+    """In the colours of the first frame and of robots, so that what stands still does not flicker.
+
+    One colour is left for what is as it was in the frame before, which makes the file small.
+    """
+    begin = Image.fromarray(next(frames))
+    palette = Palette(begin, TEAM)
+    rest = (palette.apply(Image.fromarray(frame)) for frame in frames)
     delay = round(1000 * seconds)
-    first.save(path, save_all=True, append_images=rest, duration=delay, loop=0, optimize=False)
+    first = palette.apply(begin)
+    first.save(path, save_all=True, append_images=rest, duration=delay, loop=0, optimize=True)
 
 
 def write_mp4(path: Path, frames: Iterator[Frame], seconds: float) -> None:

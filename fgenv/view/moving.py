@@ -8,7 +8,7 @@ import numpy as np
 
 from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
-from fgenv.view.camera import FOV, Camera, direction, overview
+from fgenv.view.camera import AZIMUTH, ELEVATION, FOV, Camera, direction, overview
 from fgenv.view.surfaces import Floats
 
 CAMERAS = ("overview", "top", "follow", "orbit")
@@ -24,16 +24,30 @@ class Tripod:
     Args:
         corners: (n, 3), metres, of what is to be seen.
         robot: which one is followed.
+        azimuth, elevation: rad, of where an overview is from; else its own.
     """
 
     def __init__(
-        self, kind: str, built: Built, corners: Floats, width: int, height: int, robot: int = 0
+        self,
+        kind: str,
+        built: Built,
+        corners: Floats,
+        width: int,
+        height: int,
+        robot: int = 0,
+        azimuth: float | None = None,
+        elevation: float | None = None,
     ) -> None:
         if kind not in CAMERAS:
             raise ValueError(f"camera: {kind!r}, wanted {', '.join(CAMERAS)}")
+        if kind != "overview" and (azimuth, elevation) != (None, None):
+            raise ValueError(f"azimuth, elevation: of the camera overview, got {kind!r}")
+        if elevation is not None and not 0.0 < elevation <= UPRIGHT:
+            raise ValueError(f"elevation: {elevation}, wanted over 0, to {UPRIGHT:.4f} rad")
         self.kind, self.robot, self._model = kind, robot, built.robots[robot]
         size = width, height
-        self._still = overview(corners, *size)
+        look = AZIMUTH if azimuth is None else azimuth
+        self._still = overview(corners, *size, look, ELEVATION if elevation is None else elevation)
         if kind == "top":
             self._still = overview(corners, *size, SOUTH, UPRIGHT)
         if kind == "orbit":

@@ -1,25 +1,27 @@
-"""What is written and drawn over a frame of an episode: the time, contacts, masks."""
+"""What is written and drawn over a frame of an episode: the time, trails, contacts, masks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
+from fgenv.collision import World
 from fgenv.envs import Record
 from fgenv.scenarios import Built
-from fgenv.view.camera import Camera, box_corners
-from fgenv.view.masking import middle, present, world_at
+from fgenv.view.camera import Camera
+from fgenv.view.masking import GONE, links, present
 from fgenv.view.meetings import Meeting
 from fgenv.view.movie import Frame
-from fgenv.view.palette import BLACK, INK, SKY, WHITE, Color, robot_color
+from fgenv.view.palette import INK, robot_color
+from fgenv.view.sheet import Sheet
 from fgenv.view.surfaces import Floats
 
-NOTES = ("time", "collisions", "masks")
-FINE = 2  # drawn so many times larger, for smooth lines
+NOTES = ("time", "trails", "collisions", "masks")
 LINGER = 1.0  # seconds that a contact is still told
-BOX_EDGES = np.array([(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit])
+TRAIL = 4.0  # seconds back
+LIFT = 0.01  # metres that trails are over where a base is
+HIDDEN = 0.02  # of the way to a point: what is nearer by more hides it
 
 
 def check(notes: Sequence[str]) -> None:
@@ -29,29 +31,73 @@ def check(notes: Sequence[str]) -> None:
             raise ValueError(f"note: {note!r}, wanted {', '.join(NOTES)}")
 
 
-def annotated(
-    frame: Frame,
-    camera: Camera,
-    record: Record,
-    built: Built,
-    step: int,
-    notes: Sequence[str],
-    met: Sequence[Meeting],
-) -> Frame:
-    """A frame (height, width, 3) after a step, with notes; `met` are all meetings."""
-    sheet = Sheet(frame, camera)
-    if "masks" in notes:
-        draw_masks(sheet, record, built, step)
-    seconds = step * record.dt
-    lately = [m for m in met if m.begin <= seconds <= m.end + LINGER]
-    if "collisions" in notes:
-        for meeting in lately:
-            sheet.ring(np.array(meeting.point))
-    if "time" in notes:
-        sheet.text(8, 6, f"{seconds:.1f} s", INK)
-    if "collisions" in notes:
-        tell(sheet, lately)
-    return sheet.frame()
+class Notes:
+    """Notes on the frames of one episode.
+
+    Args:
+        wanted: of `NOTES`.
+        met: all meetings.
+        whose: robots whose masks are drawn; all if left out.
+    """
+
+    def __init__(
+        self,
+        record: Record,
+        built: Built,
+        wanted: Sequence[str],
+        met: Sequence[Meeting],
+        whose: Sequence[int] | None = None,
+    ) -> None:
+        check(wanted)
+        self.record, self.wanted, self.met = record, wanted, met
+        self.names = [robot.name for robot in built.robots]
+        self.whose = range(record.n_robots) if whose is None else whose
+        self._ways = [
+            robot.forward(record["configurations"][:, i, : robot.nq], robot.root)[:, :3, 3]
+            for i, robot in enumerate(built.robots)
+        ]
+        self._moving = [i for i, robot in enumerate(built.robots) if robot.base != "fixed"]
+
+    def candidates(self, world: World, step: int) -> set[int]:
+        """Bodies that bear the bit of a robot whose masks are drawn."""
+        here = set(present(self.record, step)) & set(self.whose)
+        return {body for i in here for body in world.candidates(self.names[i]).tolist()}
+
+    def over(self, frame: Frame, camera: Camera, step: int, world: World | None) -> Frame:
+        """The frame (height, width, 3) after a step, with notes; `world` is then, if needed."""
+        sheet, seconds = Sheet(frame, camera), step * self.record.dt
+        lately = [m for m in self.met if m.begin <= seconds <= m.end + LINGER]
+        if "trails" in self.wanted and world is not None:
+            self._trails(sheet, step, world)
+        if "masks" in self.wanted and world is not None:
+            self._masks(sheet, step, world)
+        if "collisions" in self.wanted:
+            for meeting in lately:
+                sheet.ring(np.array(meeting.point))
+        if "time" in self.wanted:
+            sheet.text(8, 6, f"{seconds:.1f} s", INK)
+        if "collisions" in self.wanted:
+            tell(sheet, lately)
+        return sheet.frame()
+
+    def _trails(self, sheet: Sheet, step: int, world: World) -> None:
+        """Where each robot has been, paler the longer ago, and not where something hides it."""
+        begin = max(0, step - round(TRAIL / self.record.dt))
+        for i in self._moving:
+            if self.record["status"][step, i] == GONE:
+                continue
+            way = self._ways[i][begin : step + 1] + (0.0, 0.0, LIFT)
+            seen = visible(way, sheet.camera, world)
+            for k in np.flatnonzero(seen[1:] & seen[:-1]).tolist():
+                age = (step - begin - k) * self.record.dt / TRAIL
+                sheet.line(way[k : k + 2], robot_color(i), 2.5, 0.9 * (1.0 - age) + 0.05)
+
+    def _masks(self, sheet: Sheet, step: int, world: World) -> None:
+        """A line from each robot to whatever bears its bit."""
+        for i in sorted(set(present(self.record, step)) & set(self.whose)):
+            for _, line in links(world, self.names[i]):
+                sheet.line(line, robot_color(i), 2.0, halo=1.0)
+                sheet.dot(line[1], robot_color(i), 3.5)
 
 
 def tell(sheet: Sheet, lately: list[Meeting]) -> None:
@@ -61,62 +107,11 @@ def tell(sheet: Sheet, lately: list[Meeting]) -> None:
         sheet.text(8, sheet.camera.height - 20 - 17 * k, meeting.text, INK)
 
 
-def draw_masks(sheet: Sheet, record: Record, built: Built, step: int) -> None:
-    """Boxes of what bears a robot's bit, and a line to each from the robot."""
-    world = world_at(record, built, step)
-    marked = set[int]()
-    for i in present(record, step):
-        name = built.robots[i].name
-        here = middle(world, int(world.parts(name)[0]))
-        found = world.candidates(name).tolist()
-        marked |= set(found)
-        for body in found:
-            sheet.line(np.array([here, middle(world, body)]), robot_color(i), 1.5)
-    for body in marked:
-        low, high = world.record(body).shape.bounds
-        pose = world.record(body).pose
-        corners = box_corners(low, high) @ pose[:3, :3].T + pose[:3, 3]
-        for ends in corners[BOX_EDGES]:
-            sheet.line(ends, SKY, 1.0)
-
-
-class Sheet:
-    """A clear sheet over a frame: lines, rings and words."""
-
-    def __init__(self, frame: Frame, camera: Camera) -> None:
-        self.camera, self._image = camera, Image.fromarray(frame).convert("RGBA")
-        self._layer = Image.new("RGBA", (FINE * camera.width, FINE * camera.height))
-        self._draw = ImageDraw.Draw(self._layer)
-        self._words: list[tuple[float, float, str, Color]] = []
-
-    def line(self, ends: Floats, color: Color, width: float) -> None:
-        """From one point to another, (2, 3), metres; left out where one is behind the eye."""
-        pixels, depth = self.camera.project(ends)
-        if (depth > 0).all():
-            self._draw.line((pixels * FINE).ravel().tolist(), ink(color), round(width * FINE))
-
-    def ring(self, point: Floats, radius: float = 7.0) -> None:
-        """Around a point (3,), metres; the radius in pixels."""
-        pixel, depth = self.camera.project(point)
-        if depth > 0:
-            box = np.concatenate([pixel - radius, pixel + radius]) * FINE
-            self._draw.ellipse(box.tolist(), outline=ink(BLACK), width=2 * FINE)
-
-    def text(self, x: float, y: float, words: str, color: Color) -> None:
-        """Words from there on, pixels."""
-        self._words.append((x, y, words, color))
-
-    def frame(self) -> Frame:
-        """The frame with all that."""
-        self._image.alpha_composite(self._layer.reduce(FINE))
-        draw = ImageDraw.Draw(self._image)
-        font = ImageFont.load_default(14)
-        for x, y, words, color in self._words:
-            draw.text((x, y), words, ink(color), font, stroke_width=2, stroke_fill=ink(WHITE))
-        return np.asarray(self._image.convert("RGB"))
-
-
-def ink(color: Color) -> tuple[int, int, int]:
-    """An sRGB colour in bytes."""
-    red, green, blue = (round(255 * c) for c in color)
-    return red, green, blue
+def visible(
+    points: Floats, camera: Camera, world: World
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Which points (n, 3) no body is in front of."""
+    by = points - np.asarray(camera.eye)
+    far = np.linalg.norm(by, axis=1)
+    found = world.raycast(np.broadcast_to(camera.eye, by.shape), by / far[:, None])
+    return np.asarray(found.distance > far * (1.0 - HIDDEN))

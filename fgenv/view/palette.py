@@ -24,7 +24,8 @@ PURPLE = _hex("CC79A7")
 INK = _hex("26303A")
 STEEL = _hex("B9C0C7")
 WHITE = _hex("FFFFFF")
-WOOD: Color = (0.45, 0.60, 0.45)
+MARKED: Color = (0.55, 0.77, 0.93)  # what bears a robot's bit: a robot in sky blue is darker
+KINDS: dict[str, Color] = {"tree": (0.45, 0.60, 0.45), "shelf": (0.47, 0.54, 0.62)}
 TEAM: tuple[Color, ...] = (ORANGE, BLUE, VERMILION, GREEN, PURPLE, SKY, YELLOW)
 
 
@@ -35,7 +36,7 @@ def robot_color(i: int) -> Color:
 
 def static_color(name: str) -> Color:
     """That of a body that stands still, by its shape's name."""
-    return WOOD if name == "tree" else STEEL
+    return KINDS.get(name, STEEL)
 
 
 def to_linear(srgb: ArrayLike) -> NDArray[np.float64]:

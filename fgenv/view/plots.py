@@ -10,6 +10,7 @@ import numpy as np
 
 from fgenv.envs import Record
 from fgenv.scenarios import Built
+from fgenv.view.canvas import blank, checked, write
 from fgenv.view.masking import GONE, present, world_at
 from fgenv.view.meetings import meetings
 from fgenv.view.palette import INK, robot_color
@@ -18,7 +19,6 @@ from fgenv.view.surfaces import Floats
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SUFFIXES = (".png", ".svg", ".pdf")
 DASHES = ("-", "--", ":", "-.")  # one more each time that colours begin anew
 COLORS = 7
 LEGEND = 12  # robots at most that are named
@@ -36,23 +36,17 @@ def plot(record: Record, kind: str, path: str | Path) -> None:
         ValueError: no such kind or format; or the record has nothing of that kind.
         ImportError: Matplotlib is missing, with the remedy.
     """
-    path = Path(path)
     if kind not in KINDS:
         raise ValueError(f"kind: {kind!r}, wanted {', '.join(KINDS)}")
-    if path.suffix not in SUFFIXES:
-        raise ValueError(f"plot: {path}, wanted a name that ends in {', '.join(SUFFIXES)}")
+    path = checked(path)
     if len(record) == 0:
         raise ValueError("record: it has no steps, nothing to plot")
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.2, 4.2), layout="constrained")
-    FigureCanvasAgg(figure)  # no display
+    figure = blank(7.2, 4.2)
     axes = figure.add_subplot()
     axes.set_title(f"{record.scenario.name}: {record.n_robots} robots, {record.policy}", loc="left")
     axes.spines[["top", "right"]].set_visible(False)
     KINDS[kind](record, axes)
-    figure.savefig(path, dpi=150, metadata={} if path.suffix == ".png" else {"Date": None})
+    write(figure, path)
 
 
 def style(i: int) -> dict[str, Any]:

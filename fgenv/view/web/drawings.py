@@ -10,7 +10,7 @@ import numpy as np
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
 from fgenv.envs.assembly import directions, lidar_of
-from fgenv.view.masking import AHEAD, middle, set_masks
+from fgenv.view.masking import AHEAD, links, set_masks
 from fgenv.view.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
 from fgenv.view.surfaces import Floats
 
@@ -86,13 +86,11 @@ def motion_boxes(moment: Moment) -> Drawn:
 
 def masks(moment: Moment) -> Drawn:
     """A line from each robot to each body that its mask leaves to be tested."""
-    ends, colors, world = [], [], moment.world
+    ends, colors = list[Floats](), list[Color]()
     for i in moment.here:
-        name = moment.simulator.names[i]
-        here = middle(world, int(world.parts(name)[0]))
-        for body in world.candidates(name).tolist():
-            ends.append([here, middle(world, body)])
-            colors.append(robot_color(i))
+        found = links(moment.world, moment.simulator.names[i])
+        ends += [line for _, line in found]
+        colors += [robot_color(i)] * len(found)
     return np.reshape(ends, (-1, 2, 3)), colors
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fgenv.envs import Simulator
-from fgenv.view.palette import SKY, robot_color, static_color
+from fgenv.view.palette import MARKED, robot_color, static_color
 from fgenv.view.surfaces import Floats
 
 from . import drawings
@@ -117,6 +117,6 @@ class Overlays:
         colors = [static_color(shape.name) for shape in built.shapes]
         if self.on["masks"]:
             bits = [moment.world.mask(name) for name in built.names]
-            colors = [SKY if bit else color for bit, color in zip(bits, colors, strict=True)]
+            colors = [MARKED if bit else color for bit, color in zip(bits, colors, strict=True)]
         self.scenery.paint_standing(colors)
         self._tinted = self.on["masks"]

@@ -1,0 +1,204 @@
+"""Runs every example and draws a picture of what it did: python examples/gallery.py FOLDER"""
+
+import os
+import runpy
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+from trimesh.transformations import quaternion_matrix
+
+from fgenv.agents import run_episode
+from fgenv.collision import Shape
+from fgenv.collision.world import Record as Body
+from fgenv.envs import Record
+from fgenv.view import Camera, Floor, Picture, Solid, figures
+from fgenv.view.camera import box_corners, overview
+from fgenv.view.episodes import driven, load_episode
+from fgenv.view.fewer import small
+from fgenv.view.fleet import FleetPainter
+from fgenv.view.frames import frames_of
+from fgenv.view.palette import BLUE, GREEN, INK, ORANGE, STEEL, VERMILION
+from fgenv.view.plots import plot
+from fgenv.view.stage import outline, placed, stage
+
+SIZE = 480, 360
+Floats = NDArray[np.float64]
+Names = dict[str, Any]  # what an example leaves behind
+
+
+def ghosts(shape: Shape, poses: Sequence[Floats] | Floats, opacity: float = 0.3) -> list[Solid]:
+    """A body, pale, wherever it was."""
+    return [Solid(shape, pose, ORANGE, opacity) for pose in poses]
+
+
+def seen(shapes: Sequence[tuple[Shape, Floats]], azimuth: float, elevation: float) -> Camera:
+    """A camera that sees all of these bodies."""
+    corners = [placed(box_corners(*shape.bounds), pose) for shape, pose in shapes]
+    return overview(np.concatenate(corners), *SIZE, azimuth, elevation)
+
+
+def outlined(picture: Picture, shape: Shape, pose: Floats) -> None:
+    """Its sharp edges."""
+    picture.segments(placed(outline(shape), pose), INK, width=0.7, opacity=0.6)
+
+
+def two_meshes(names: Names) -> Image.Image:
+    """The peg where it first meets the ring, and the feature edge that shows it."""
+    ring, peg, pose, touch = names["a"], names["b"], names["slide"][-1], names["touch"]
+    at = names["slide"][names["hits"].argmax()]
+    camera = seen([(ring, np.eye(4)), (peg, pose)], -0.5, 0.75)
+    bodies = [Solid(ring, np.eye(4), STEEL), Solid(peg, at, ORANGE)]
+    picture = Picture(camera, bodies, floor=Floor(height=-0.2, grid=0.25))
+    outlined(picture, peg, at)
+    picture.segments([touch.edge], BLUE, width=4, hidden=1.0)
+    picture.points([touch.point], VERMILION, radius=5, hidden=1.0)
+    return picture.image()
+
+
+def three_tanks(names: Names) -> Image.Image:
+    """The robot at its goal, by the way planned anew: the right half of figure 7."""
+    figure = figures.start_and_goal(names["experiment"])
+    width, height = figures.PANEL
+    half = figure.crop((figure.width - width, 0, figure.width, height))
+    return half.resize(SIZE, Image.Resampling.LANCZOS)
+
+
+def own_planner(names: Names) -> Image.Image:
+    """The ring on its way off the post."""
+    ring, post, way = names["robot"], names["obstacle"], np.array(names["way"])
+    poses = np.array([quaternion_matrix(q) for q in way[:, 3:]])
+    poses[:, :3, 3] = way[:, :3]
+    ends = [Solid(post, np.eye(4), STEEL), Solid(ring, poses[-1], ORANGE)]
+    camera = seen([(post, np.eye(4)), *((ring, pose) for pose in poses)], -1.2, 0.5)
+    low = min(placed(ring.vertices, pose)[:, 2].min() for pose in poses)
+    floor = Floor(height=min(-0.5, low), grid=0.5)
+    picture = Picture(camera, [*ends, *ghosts(ring, poses[:-1], 0.35)], floor=floor)
+    picture.polyline(way[:, :3], GREEN, width=2, hidden=0.5)
+    return picture.image()
+
+
+def world(names: Names) -> Image.Image:
+    """Around the first robot: crates that bore its bit, its lane, the door that opens."""
+    every: list[Body] = [names["world"].record(body) for body in names["world"].ids.tolist()]
+    bodies = [body for body in every if body.pose[0, 3] < 11 and body.pose[1, 3] < 19]
+    marks = {int(body): BLUE for body in names["near"]}
+    marks |= {names["first"]: ORANGE, names["door"]: VERMILION}
+    colors = {body.name: marks.get(body.id, STEEL) for body in bodies}
+    camera = seen([(body.shape, body.pose) for body in bodies], -1.9, 0.8)
+    picture = stage(bodies, camera, colors)
+    picture.polyline([pose[:3, 3] for pose in names["lane"]], ORANGE, width=3, hidden=0.5)
+    return picture.image()
+
+
+def training(names: Names) -> Image.Image:
+    """What was gained, generation by generation."""
+    figure = Figure(figsize=(4.8, 3.6), dpi=100, layout="constrained")
+    axes = figure.subplots()
+    axes.plot(names["history"], color=BLUE, marker="o", ms=4)
+    axes.set(xlabel="generation", ylabel="reward, mean of 64 policies")
+    axes.grid(color="0.92")
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig("curve.png")
+    return Image.open("curve.png")
+
+
+def own_scenario(names: Names) -> Image.Image:
+    """Vessels half way past the quay, with trails."""
+    return moment(names["record"], 0.5)
+
+
+def own_reward(names: Names) -> Image.Image:
+    """The crowd in the middle that the reward is against."""
+    simulator = names["simulator"]
+    painter = FleetPainter(simulator.built, width=SIZE[0], height=SIZE[1])
+    return Image.fromarray(painter.paint(simulator.configurations[0], simulator.goals[0]))
+
+
+def own_ompl_script(names: Names) -> Image.Image:
+    """The sofa on its way through the door."""
+    way, bodies = names["way"], names["world"]
+    sofa, *walls = (bodies.record(body) for body in bodies.ids.tolist())
+    robot = names["Robot"].from_mesh(sofa.shape, base="planar")
+    between = [robot.interpolate(a, b, np.linspace(0.0, 1.0, 4)) for a, b in pairwise(way)]
+    poses = robot.forward(np.concatenate(between), robot.root)
+    camera = Camera((-4.2, -5.8, 7.2), (0.0, 0.0, 0.0), 0.6, *SIZE)
+    ends = [Solid(sofa.shape, poses[k], ORANGE) for k in (0, -1)]
+    solids = [*(Solid(wall.shape, wall.pose, STEEL) for wall in walls), *ends]
+    floor = Floor(height=float(sofa.shape.bounds[0, 2]))
+    picture = Picture(camera, [*solids, *ghosts(sofa.shape, poses[1:-1], 0.2)], floor=floor)
+    picture.polyline(poses[:, :3, 3], GREEN, width=2, hidden=0.5)
+    return picture.image()
+
+
+def warehouse_plan(names: Names) -> Image.Image:
+    """The carts under way, with trails."""
+    return moment(names["record"], 0.3, azimuth=-np.pi / 2, elevation=1.0)
+
+
+def four_arms(names: Names) -> Image.Image:
+    """The arms half way."""
+    return moment(driven(names["plan"]), 0.5)
+
+
+def verify_plan(names: Names) -> Image.Image:
+    """How near anything comes to each robot of the plan that was proved."""
+    plot(load_episode("plan.npz"), "clearance", "clearance.png")
+    return Image.open("clearance.png").resize((600, 350), Image.Resampling.LANCZOS)
+
+
+def policies(names: Names) -> Image.Image:
+    """Robots that keep right of each other, on their way round."""
+    simulator = names["Simulator"](names["cases"][0], autoreset=False)
+    return moment(run_episode(simulator, names["KeepRight"]()), 0.6)
+
+
+def moment(record: Record, share: float, **look: Any) -> Image.Image:
+    """A record when that share of its steps is made."""
+    step = round(share * len(record))
+    (frame,) = frames_of(record, [step], *SIZE, notes=["trails"], **look)
+    return Image.fromarray(frame)
+
+
+PICTURES: dict[str, Callable[[Names], Image.Image]] = {
+    "01_two_meshes": two_meshes,
+    "02_three_tanks": three_tanks,
+    "03_own_planner": own_planner,
+    "04_world": world,
+    "05_training": training,
+    "06_own_scenario": own_scenario,
+    "07_own_reward": own_reward,
+    "08_own_ompl_script": own_ompl_script,
+    "09_warehouse_plan": warehouse_plan,
+    "10_four_arms": four_arms,
+    "11_verify_plan": verify_plan,
+    "12_policies": policies,
+}
+
+
+def main(folder: Path, only: str = "") -> None:
+    """Each example runs in a folder of its own; its picture goes to `folder`."""
+    folder = folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    here = Path(__file__).resolve().parent
+    for name, draw in PICTURES.items():
+        if only in name:
+            with tempfile.TemporaryDirectory() as place:
+                os.chdir(place)
+                picture = draw(runpy.run_path(str(here / f"{name}.py")))
+                small(picture.convert("RGB")).save(folder / f"{name}.png", optimize=True)
+                os.chdir(here)
+            print(f"written: {folder / name}.png")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: python examples/gallery.py FOLDER [PART OF AN EXAMPLE'S NAME]")
+    main(Path(sys.argv[1]), *sys.argv[2:])
