@@ -308,5 +308,8 @@ class Network:
     @property
     def outputs(self) -> int: ...
 
+def cheapest_way(prices: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
+    pass
+
 def orca(discs: ArrayLike, wanted: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
     """Velocities by optimal reciprocal collision avoidance."""

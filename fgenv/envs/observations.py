@@ -33,6 +33,9 @@ ABOUT = {
 }
 
 
+PATHS = ("straight", "shortest")
+
+
 class Part(NamedTuple):
     """A slice of a row of observations."""
 
@@ -53,6 +56,8 @@ class Observation:
         neighbours: how many of the nearest robots.
         pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
             long for any number of them.
+        path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
+            planar bases (see `fgenv.envs.guide`).
         look_ahead: of the path hint, metres (of a fixed base: radians of all joints together).
         rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
         lidar_range: metres, of those rays.
@@ -68,11 +73,14 @@ class Observation:
     rays: int | None = None
     lidar_range: float = 5.0
     pad: bool = False
+    path: str = "straight"
 
     def __post_init__(self) -> None:
         for name in ("goal", "velocity", "configuration", "path_hint", "lidar", "pad"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
+        if self.path not in PATHS:
+            raise ValueError(f"observation: path: {self.path!r}, wanted {' or '.join(PATHS)}")
         whole = isinstance(self.neighbours, int) and not isinstance(self.neighbours, bool)
         if not whole or not 0 <= self.neighbours <= 1000:
             raise ValueError(f"observation: neighbours: {self.neighbours!r}, wanted 0 to 1000")

@@ -8,7 +8,8 @@ Gymnasium, Stable-Baselines3) are views of this class.
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from fgenv.scenarios import Built, FrozenSet, Scenario
 
 from . import assembly
 from .cases import Cases, scenario_of
+from .guide import Guide
 from .observations import Observation
 from .readings import MOVING, Readings
 from .rewards import Reward
@@ -128,6 +130,8 @@ class Simulator(Readings):
         self.cases = Cases.of(self.built, several)
         if starts == "random":
             bounded(self.robots)
+        if self.observation.path == "shortest" and actions == "way_points":
+            raise ValueError("path: 'shortest' and way_points: each way point is a path of its own")
         self._begin()
 
     def _begin(self) -> None:
@@ -140,6 +144,8 @@ class Simulator(Readings):
             self.n_worlds,
             *assembly.standing(self._like, self.built, self.cases),
         )
+        guided = self.observation.path_hint and self.observation.path == "shortest"
+        self._guide = Guide(self) if guided else None
         self.final_observations: Rows | None = None
         self._begun = False
         self._over = np.zeros(self.n_worlds, dtype=bool)
@@ -194,6 +200,7 @@ class Simulator(Readings):
         self._core.reset(which, seeds, self.threads)
         self._begun = True
         self._over[which] = False
+        self._guided(itertools.product(which.tolist(), range(self.n_robots)))
         return self._core.observe(which, self.threads)
 
     def step(self, actions: ArrayLike) -> Step:
@@ -225,6 +232,14 @@ class Simulator(Readings):
         """Begin a robot's episode anew, from a start to a goal, (nq,); nobody asks who is there."""
         self._ready("place")
         self._core.place(world, robot, start, goal)
+        self._guided([(world, robot)])
+
+    def _guided(self, which: Iterable[tuple[int, int]]) -> None:
+        """Paths of (world, robot) at the beginning of an episode, where they are not straight."""
+        if self._guide is None:
+            return
+        for world, robot in which:
+            self._core.set_path(world, robot, self._guide.path(world, robot))
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""
@@ -280,7 +295,7 @@ class Simulator(Readings):
             self._over |= (self.hits >= 0).any(axis=1)
 
     def __getstate__(self) -> dict[str, Any]:
-        left_out = {"_core", "_like", *CACHED}
+        left_out = {"_core", "_like", "_guide", *CACHED}
         kept = {name: value for name, value in self.__dict__.items() if name not in left_out}
         return {**kept, "state": self.state() if self._begun else None}
 

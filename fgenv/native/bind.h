@@ -13,5 +13,6 @@ void bind_checker(nanobind::module_& m);
 void bind_picture(nanobind::module_& m);
 void bind_network(nanobind::module_& m);
 void bind_orca(nanobind::module_& m);
+void bind_grid(nanobind::module_& m);
 
 }  // namespace fgenv

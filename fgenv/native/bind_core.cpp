@@ -15,5 +15,6 @@ NB_MODULE(_core, m) {
     fgenv::bind_checker(m);
     fgenv::bind_picture(m);
     fgenv::bind_network(m);
+    fgenv::bind_grid(m);
     fgenv::bind_orca(m);
 }

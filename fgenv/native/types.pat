@@ -237,3 +237,7 @@ fgenv._core.Network.run$:
 fgenv._core.orca$:
     def orca(discs: ArrayLike, wanted: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
         \doc
+
+fgenv._core.cheapest_way$:
+    def cheapest_way(prices: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
+        \doc

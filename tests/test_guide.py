@@ -1,0 +1,129 @@
+"""Shortest ways over grids, and the path hint that follows them."""
+
+import copy
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from fgenv import _core
+from fgenv.envs import Observation, Simulator
+
+HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
+
+
+def graph(prices):
+    """The steps of a grid, as scipy has graphs."""
+    rows, columns = prices.shape
+    tails, heads, costs = [], [], []
+    for r, c in np.argwhere(np.isfinite(prices)).tolist():
+        for dr, dc in ((a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b):
+            beside = [(r + dr, c + dc), (r + dr, c), (r, c + dc)]
+            inside = all(0 <= i < rows and 0 <= j < columns for i, j in beside)
+            if inside and all(math.isfinite(prices[place]) for place in beside):
+                tails.append(r * columns + c)
+                heads.append((r + dr) * columns + c + dc)
+                costs.append(prices[r + dr, c + dc] * math.hypot(dr, dc))
+    n = rows * columns
+    return csr_matrix((costs, (tails, heads)), (n, n))
+
+
+@given(st.integers(0, 10**6), st.integers(1, 12), st.integers(1, 12), st.floats(0, 0.6))
+def test_a_way_costs_what_dijkstra_says(seed, rows, columns, walls):
+    rng = np.random.default_rng(seed)
+    prices = rng.choice([1.0, 2.0, 3.5], (rows, columns))
+    prices[rng.random((rows, columns)) < walls] = math.inf
+    start, goal = rng.integers(0, (rows, columns)), rng.integers(0, (rows, columns))
+    prices[tuple(start)] = prices[tuple(goal)] = 1.0
+    way = _core.cheapest_way(prices, start, goal)
+    steps = graph(prices)
+    best = dijkstra(steps, indices=start[0] * columns + start[1])[goal[0] * columns + goal[1]]
+    if not len(way):
+        assert math.isinf(best)
+        return
+    assert (way[0] == start).all()
+    assert (way[-1] == goal).all()
+    cells = way @ [columns, 1]
+    each = [steps[a, b] for a, b in itertools.pairwise(cells)]
+    assert all(cost > 0 for cost in each)  # only steps that there are
+    assert math.fsum(each) == pytest.approx(best, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("prices", "start", "told"),
+    [
+        ([1.0, 2.0], (0, 0), "prices: shape"),
+        ([[0.5]], (0, 0), r"prices\[0, 0\] is 0.5, wanted 1 or more"),
+        ([[math.nan]], (0, 0), "wanted 1 or more"),
+        ([[1.0]], (0, 1), r"start: \[0, 1\] is outside"),
+        ([[1.0]], (0,), "start: shape"),
+    ],
+)
+def test_what_is_no_grid_is_told(prices, start, told):
+    with pytest.raises(ValueError, match=told):
+        _core.cheapest_way(prices, start, (0, 0))
+
+
+@pytest.mark.parametrize("name", ["random", "doorway"])
+def test_paths_lead_to_the_goal_and_through_no_wall(name):
+    simulator = Simulator(name, 3, cases=3, case_order="seed", n=4, observation=HINT)
+    simulator.reset(seed=0)
+    for world in range(3):
+        alone = simulator.built.world(robots=False)
+        alone.set_pose(list(simulator.built.names), simulator.standing_poses(world))
+        me = simulator.built.add_robot(alone, 0, simulator.configurations[world, 0])
+        for i in range(simulator.n_robots):
+            path = simulator._guide.path(world, i)
+            assert (path[0] == simulator.configurations[world, i]).all()
+            assert (path[-1] == simulator.goals[world, i]).all()
+            dense = simulator.robots[i].interpolate(
+                path[:-1, None], path[1:, None], np.linspace(0, 1, 20)[None]
+            )
+            # Cells are open at their middles: between them a disc of 0.3 m may graze a corner.
+            assert np.mean(alone.collides(me, dense)) < 0.02
+
+
+def test_the_hint_of_a_doorway_is_the_door_and_not_the_wall():
+    simulator = Simulator("doorway", n=2, drive="holonomic", observation=HINT)
+    simulator.reset(seed=0)
+    q = np.zeros(3)
+    q[:2] = -2.0, 1.5
+    goal = np.array([2.0, 1.5, 0.0])
+    simulator.place(0, 0, q, goal)
+    part = next(part for part in simulator.layouts[0] if part.name == "path_hint")
+    x, y = simulator.observe()[0, 0, part.slice]
+    assert x > 0
+    assert y < -0.1
+    assert math.hypot(x, y) == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_guided_episode_goes_on_alike_in_copies_and_states():
+    simulator = Simulator("random", 2, cases=3, n=4, observation=HINT)
+    simulator.reset(seed=1)
+    rng = np.random.default_rng(0)
+    actions = [simulator.sample(rng) for _ in range(40)]
+    other = copy.deepcopy(simulator)
+    for action in actions:
+        assert (simulator.step(action).observations == other.step(action).observations).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "told"),
+    [
+        ("forest", {}, "no planar base"),
+        ("swap", {"actions": "way_points"}, "each way point is a path of its own"),
+    ],
+)
+def test_who_cannot_be_guided_is_told(name, options, told):
+    with pytest.raises(ValueError, match=told):
+        Simulator(name, observation=HINT, **options)
+
+
+def test_a_path_that_is_no_kind_is_told():
+    with pytest.raises(ValueError, match="path: 'curved', wanted straight or shortest"):
+        Observation(path="curved")
