@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -75,55 +75,67 @@ class Recipe:
     activation: str = "tanh"
 
 
+def some(**given: Any) -> Given:
+    """Overrides of a scenario."""
+    return MappingProxyType(given)
+
+
+def staged(*mix: Given, **given: Any) -> tuple[Stage, ...]:
+    """What most learn in: at first bodies pass through each other and that is cheap, then dear,
+    and at last they stop."""
+    return (
+        Stage(0.3, collision=-0.3, response="pass", given=some(**given), mix=mix),
+        Stage(0.5, collision=-1.0, response="pass", given=some(**given), mix=mix),
+        Stage(0.2, collision=-1.0, given=some(**given), mix=mix),
+    )
+
+
 PAID = Reward({"progress": 1.0, "arrival": 5.0, "collision": -1.0, "time": -0.03})
-AMONG_ROBOTS = Observation(lidar=False, neighbours=3, pad=True)
-AMONG_WALLS = Observation(rays=16, lidar_range=4.0, neighbours=4, pad=True)
-IN_SPACE = Observation(neighbours=4, pad=True)
+CROWD = Observation(lidar=False, neighbours=6, pad=True)
+LED = Observation(
+    rays=16, lidar_range=2.0, pad=True, path_hint=True, path="shortest", look_ahead=0.6
+)
+DRIVEN = Observation(
+    rays=24, lidar_range=5.0, pad=True, path_hint=True, path="shortest", look_ahead=2.0
+)
+FLYING = Observation(rays=16, lidar_range=4.0, pad=True)
+SEEING = Observation(rays=16, lidar_range=4.0, pad=True)
 
-JITTERED = MappingProxyType({"jitter": 0.3})
-SIZES = tuple(MappingProxyType({"n": n}) for n in (4, 6, 8))
-SWAP = Recipe(
-    AMONG_ROBOTS,
-    PAID,
-    (
-        Stage(0.4, collision=-0.5, response="pass", given=JITTERED, mix=SIZES),
-        Stage(0.4, collision=-1.0, response="pass", given=JITTERED, mix=SIZES),
-        Stage(0.2, collision=-1.0, given=JITTERED, mix=SIZES),
-    ),
-    steps=5_000_000,
+CIRCLES = tuple(some(n=n, jitter=j) for n in (4, 8, 12, 20) for j in (0.0, 0.3))
+LONG = tuple(some(n=n, jitter=0.3) for n in (4, 6, 8))
+FEW = tuple(some(n=n) for n in (2, 4, 6, 8))
+DISCS = Recipe(
+    CROWD, PAID, staged(*CIRCLES, vary=0.5), cases=100, near=0.3, rows=512, steps=10_000_000
 )
-RANDOM = Recipe(
-    AMONG_WALLS,
-    PAID,
-    (
-        Stage(0.2, "random", -0.5, "pass", MappingProxyType({"n": 4, "fill": 0.2})),
-        Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"fill": 0.4})),
-        Stage(0.5),
-    ),
-)
-WALLS = Recipe(
-    AMONG_WALLS,
-    PAID,
-    (Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"n": 2})), Stage(0.7)),
-)
-SPACE = Recipe(
-    IN_SPACE,
-    PAID,
-    (Stage(0.3, collision=-0.5, response="pass", given=MappingProxyType({"n": 2})), Stage(0.7)),
-)
-ANY = Recipe(AMONG_WALLS, PAID, (Stage(1.0),))
+BODIES = replace(DISCS, stages=staged(*LONG, vary=0.5), steps=6_000_000)
+HALL = Recipe(LED, PAID, staged(*FEW), cases=150, near=0.4, rows=512, max_steps=400)
+JUNCTION = replace(HALL, observation=DRIVEN, near=1.0)
+CLUTTER = replace(HALL, stages=staged(some(n=4), some(n=10)), steps=6_000_000)
+WOOD = Recipe(FLYING, PAID, staged(*FEW[1:]), cases=100, near=0.5, steps=3_000_000)
+ANY = Recipe(SEEING, PAID, (Stage(1.0),))
 
-RECIPES: dict[str, Recipe] = {
-    "swap": SWAP,
-    "random": RANDOM,
-    "doorway": WALLS,
-    "corridor": WALLS,
-    "intersection": WALLS,
-    "warehouse": WALLS,
-    "forest": SPACE,
-}
+RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
+    ("swap", some(), replace(DISCS, near=1.0)),
+    ("swap", some(drive="holonomic"), DISCS),
+    ("swap", some(body="long"), replace(BODIES, near=1.0)),
+    ("swap", some(body="long", drive="holonomic"), BODIES),
+    ("swap", some(body="l"), BODIES),
+    ("doorway", some(), replace(HALL, near=1.0)),
+    ("doorway", some(drive="holonomic"), HALL),
+    ("corridor", some(), replace(HALL, near=1.0)),
+    ("warehouse", some(), replace(HALL, near=1.0)),
+    ("intersection", some(), JUNCTION),
+    ("random", some(), replace(CLUTTER, near=1.0)),
+    ("random", some(drive="holonomic"), CLUTTER),
+    ("forest", some(), WOOD),
+)
 
 
-def recipe_of(scenario: str) -> Recipe:
-    """That of a built-in scenario; one that fits any other."""
-    return RECIPES.get(scenario, ANY)
+def recipe_of(scenario: str, overrides: Given = MappingProxyType({})) -> Recipe:
+    """That of a built-in scenario with overrides, the most special; one that fits any other."""
+    fit = [
+        (len(given), recipe)
+        for name, given, recipe in RECIPES
+        if name == scenario and given.items() <= overrides.items()
+    ]
+    return max(fit, key=lambda found: found[0])[1] if fit else ANY

@@ -16,7 +16,7 @@ pytest.importorskip("stable_baselines3")
 
 from fgenv import cli
 from fgenv.agents import PolicyFile, policy_of, run_episode
-from fgenv.agents.recipes import RECIPES, Recipe, Stage, recipe_of
+from fgenv.agents.recipes import RECIPES, Recipe, Stage, recipe_of, staged
 from fgenv.agents.sb3_policy import Sb3Policy
 from fgenv.agents.trained import Trained
 from fgenv.agents.training import Training, Wanted
@@ -32,7 +32,8 @@ SMALL = {
     "max_steps": 40,
     "hidden": (8,),
 }
-SWAP = replace(recipe_of("swap"), **SMALL)
+FEW = staged(*({"n": n} for n in (4, 6, 8)), jitter=0.3)
+SWAP = replace(recipe_of("swap"), **SMALL, stages=FEW)
 
 
 def trained(
@@ -106,21 +107,41 @@ def test_it_goes_on_where_it_was(tmp_path: Path) -> None:
 
 def test_a_scenario_file_is_trained_on(tmp_path: Path) -> None:
     Scenario.load("swap", n=2).save(tmp_path / "two.yaml")
-    recipe = replace(RECIPES["swap"], **SMALL, stages=(Stage(1.0, "random"),))
+    recipe = replace(recipe_of("swap"), **SMALL, stages=(Stage(1.0, "random"),))
     file = trained(tmp_path, recipe, scenario=str(tmp_path / "two.yaml"), steps=600, every=512)
     assert file.about["steps"] >= 512
 
 
 def test_a_recipe_is_whole() -> None:
-    for name, recipe in RECIPES.items():
+    for name, _, recipe in RECIPES:
         assert sum(stage.share for stage in recipe.stages) == pytest.approx(1.0), name
         assert recipe.observation.pad, name
+
+
+def test_the_most_special_recipe_is_taken() -> None:
+    assert recipe_of("swap", {"n": 4, "drive": "holonomic"}) == recipe_of(
+        "swap", {"drive": "holonomic"}
+    )
+    assert recipe_of("swap", {"drive": "holonomic"}).near < recipe_of("swap").near
+    assert recipe_of("swap", {"body": "long"}).steps < recipe_of("swap").steps
+    assert recipe_of("mine.yaml", {"n": 4}) == recipe_of("other")
+
+
+def test_the_learning_rate_falls_to_nothing(tmp_path: Path) -> None:
+    training = Training(Wanted("swap", SWAP, {"n": 3}, 2000, 0, "", 1000), tmp_path)
+    rates = []
+    training.run(lambda steps, check: rates.append(training._rate(0.0)))
+    assert rates[0] > 0.9 * SWAP.learning_rate
+    assert rates == sorted(rates, reverse=True)
+    assert rates[-1] == 0.0
+    used = training.model.policy.optimizer.param_groups[0]["lr"]
+    assert used < 0.5 * SWAP.learning_rate
 
 
 def test_the_command_trains_and_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(RECIPES, "swap", SWAP)
+    monkeypatch.setattr("fgenv.agents.recipes.RECIPES", (("swap", {}, SWAP),))
     found = []
     for line in (
         f"train swap --n 3 --steps 600 --every 512 --out {tmp_path} --json",

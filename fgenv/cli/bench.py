@@ -8,7 +8,14 @@ from typing import Annotated
 
 import typer
 
-from fgenv.cli import bench_env, bench_fleets, bench_planners, bench_train, bench_world
+from fgenv.cli import (
+    bench_env,
+    bench_fleets,
+    bench_planners,
+    bench_policies,
+    bench_train,
+    bench_world,
+)
 from fgenv.cli.options import Bars, Json, Seed
 
 app = typer.Typer(
@@ -23,6 +30,7 @@ app.command()(bench_env.env)
 app.command()(bench_planners.planners)
 app.command()(bench_fleets.fleets)
 app.command()(bench_train.train)
+app.command()(bench_policies.policies)
 
 
 @app.command("pairs")

@@ -78,7 +78,8 @@ def train(
     from fgenv.agents.training import Training, Wanted
 
     console = Console(stderr=as_json, highlight=False)
-    recipe, overrides = recipe_of(scenario), given(n, size, set or [])
+    overrides = given(n, size, set or [])
+    recipe = recipe_of(scenario, overrides)
     many = steps or recipe.steps
     told = command(scenario, overrides, many, every, seed)
     wanted = Wanted(scenario, recipe, overrides, many, seed, told, every)
