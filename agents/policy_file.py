@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from fgenv.archive import Archive
 
 ACTIVATIONS = ("tanh", "relu")
+NEEDED = {"observation", "parts", "actions", "action_names", "near", "activation", "clip"}
 Floats = NDArray[np.float64]
 
 
@@ -58,9 +59,19 @@ class PolicyFile:
     layers: tuple[tuple[Floats, Floats], ...]
 
     def __post_init__(self) -> None:
+        missing = sorted(NEEDED - self.about.keys())
+        if missing:
+            raise PolicyError(f"policy: says nothing of {', '.join(missing)}; train it again")
         size = sum(size for _, size in self.about["parts"])
         if self.mean.shape != (size,) or self.std.shape != (size,) or not (self.std > 0).all():
             raise PolicyError(f"policy: mean, std: wanted ({size},), std over 0")
+        if not np.isfinite([self.mean, self.std]).all():
+            raise PolicyError("policy: mean, std: wanted finite numbers")
+        ends = [(weights.shape[0], len(offsets)) for weights, offsets in self.layers]
+        actions = len(self.about["action_names"])
+        if not ends or (ends[0][0], ends[-1][1]) != (size, actions):
+            told = f"from {ends[0][0]} to {ends[-1][1]} numbers" if ends else "none"
+            raise PolicyError(f"policy: layers: {told}, wanted from {size} to {actions}")
         if self.about["activation"] not in ACTIVATIONS:
             said = self.about["activation"]
             raise PolicyError(f"policy: activation: {said!r}, wanted {' or '.join(ACTIVATIONS)}")
