@@ -211,9 +211,13 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
         (("--policy", "gotoo"), "did you mean 'goto'?"),
         (("--policy", "mlp:nothing.npz"), "nothing.npz: No such file"),
         (("--csv", "no/such/folder.csv"), "there is no folder no/such"),
+        (("--plot", "scores.xyz"), "--plot: scores.xyz, wanted a name that ends in .png, .svg"),
     ],
 )
-def test_what_is_wrong_is_told(fgenv: Shell, arguments: tuple[str, ...], told: str) -> None:
+def test_what_is_wrong_is_told_before_the_cases_are_made(
+    fgenv: Shell, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], told: str
+) -> None:
+    monkeypatch.setattr("fgenv.scenarios.frozen", lambda *_, **__: pytest.fail("made cases"))
     code, _, said = fgenv(*SWAP, *arguments)
     assert code == 2
     assert told in said
