@@ -157,6 +157,15 @@ def test_an_older_policy_in_the_folder_is_not_its_own(
     assert json.loads(told.out)["policy"] is None
 
 
+@pytest.mark.parametrize("suffix", [".pkl", ".json"])
+def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str) -> None:
+    (tmp_path / "model.zip").write_bytes((folder / "model.zip").read_bytes())
+    for junk in (b"junk", b"", b"[1]"):
+        (tmp_path / f"model{suffix}").write_bytes(junk)
+        with pytest.raises(ValueError, match=f"model{suffix} is damaged; take it away"):
+            Sb3Policy(tmp_path / "model.zip")
+
+
 def test_other_robots_are_refused(folder: Path) -> None:
     policy = policy_of(f"mlp:{folder / 'policy.npz'}")
     for scenario, told in (
