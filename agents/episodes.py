@@ -72,7 +72,8 @@ def run_cases(
     found: dict[int, Episode] = {}
     while len(found) < len(which):
         step = simulator.step(policy.act(rows))
-        hits, robots = simulator.hits >= 0, simulator.hit_robots >= 0
+        hits, robots = simulator.hits >= 0, simulator.hit_robots
+        robots = (robots >= 0) & (robots != np.arange(simulator.n_robots))  # not its own links
         met += [hits & robots, hits & ~robots]
         rows, ended = step.observations, np.flatnonzero(step.terminated | step.truncated)
         for w in ended.tolist():

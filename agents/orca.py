@@ -137,11 +137,12 @@ class Orca(Seeing):
         return points
 
     def _forget_robots(self, i: int, at: Floats, q: Floats) -> None:
-        """Points within the discs of others are theirs."""
+        """Points within the discs of others who are there are theirs."""
+        radii = np.where(self.view.present, self._radii, 0.0)
         for j in range(q.shape[1]):
             if j != i:
                 by = at - q[:, None, j, :2]
-                at[(by**2).sum(axis=-1) <= self._radii[j] ** 2] = np.nan
+                at[(by**2).sum(axis=-1) < radii[:, j, None] ** 2] = np.nan
 
     def _ahead(self, q: Floats, goals: Floats, v: Floats) -> Floats:
         """Where to drive so that the velocity is what is wanted, (worlds, robots, nq)."""

@@ -1,9 +1,7 @@
 """Trained policies as files: a network and all that is needed to use it, without PyTorch.
 
-A NumPy `.npz` (a zip of arrays; `numpy.load` reads it), compressed:
+An archive (`fgenv.archive`) of the format "fgenv policy 1":
 
-    format      "fgenv policy 1"
-    id          SHA-256 of all the rest, little-endian: 64 hexadecimal digits
     about       JSON: name, command, seed, scenario (name and overrides that it was trained with),
                 steps; observation (what `fgenv.envs.Observation` takes), parts (name and size of
                 each part of a row, in order), actions (drive or way_points), action_names (with
@@ -16,15 +14,13 @@ A NumPy `.npz` (a zip of arrays; `numpy.load` reads it), compressed:
 
 The last layer's output, brought to [-1, 1], is the action; but who is nearer than `near` to its
 goal (metres; of a fixed base radians of all joints) does what `goto` does. All other layers have
-the activation. Arrays are little-endian. There is a fixed number of neighbours; where a scenario
-has fewer robots the missing ones are zeros, as a simulator gives them.
+the activation. There is a fixed number of neighbours; where a scenario has fewer robots the missing
+ones are zeros, as a simulator gives them.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -33,13 +29,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FORMAT = "fgenv policy 1"
+from fgenv.archive import Archive
+
 ACTIVATIONS = ("tanh", "relu")
+NEEDED = {"observation", "parts", "actions", "action_names", "near", "activation", "clip"}
 Floats = NDArray[np.float64]
 
 
 class PolicyError(ValueError):
     """A policy's file that cannot be used: why, and the remedy."""
+
+
+POLICY = Archive("policy", 1, ("about",), PolicyError, "train or get it again")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,33 +59,40 @@ class PolicyFile:
     layers: tuple[tuple[Floats, Floats], ...]
 
     def __post_init__(self) -> None:
+        missing = sorted(NEEDED - self.about.keys())
+        if missing:
+            raise PolicyError(f"policy: says nothing of {', '.join(missing)}; train it again")
         size = sum(size for _, size in self.about["parts"])
         if self.mean.shape != (size,) or self.std.shape != (size,) or not (self.std > 0).all():
             raise PolicyError(f"policy: mean, std: wanted ({size},), std over 0")
+        if not np.isfinite([self.mean, self.std]).all():
+            raise PolicyError("policy: mean, std: wanted finite numbers")
+        ends = [(weights.shape[0], len(offsets)) for weights, offsets in self.layers]
+        actions = len(self.about["action_names"])
+        if not ends or (ends[0][0], ends[-1][1]) != (size, actions):
+            told = f"from {ends[0][0]} to {ends[-1][1]} numbers" if ends else "none"
+            raise PolicyError(f"policy: layers: {told}, wanted from {size} to {actions}")
         if self.about["activation"] not in ACTIVATIONS:
             said = self.about["activation"]
             raise PolicyError(f"policy: activation: {said!r}, wanted {' or '.join(ACTIVATIONS)}")
 
     @property
     def arrays(self) -> dict[str, Floats]:
-        """What is hashed and stored, little-endian."""
+        """By the names they are stored under."""
         found = {"mean": self.mean, "std": self.std}
         for k, (weights, offsets) in enumerate(self.layers):
             found |= {f"weights_{k}": weights, f"offsets_{k}": offsets}
-        return {name: np.ascontiguousarray(x, dtype="<f8") for name, x in found.items()}
+        return found
 
-    @cached_property
-    def text(self) -> str:
+    @property
+    def texts(self) -> dict[str, str]:
         """What is said about it, as it is stored."""
-        return json.dumps(self.about, sort_keys=True, separators=(",", ":"))
+        return {"about": json.dumps(self.about, sort_keys=True, separators=(",", ":"))}
 
     @cached_property
     def id(self) -> str:
         """Hash of all that is in it, 64 hexadecimal digits."""
-        found = hashlib.sha256(f"{FORMAT}\nabout {len(self.text)}\n{self.text}\n".encode())
-        for name, array in self.arrays.items():
-            found.update(f"{name} {array.shape}\n".encode() + array.tobytes())
-        return found.hexdigest()
+        return POLICY.id(self.texts, self.arrays)
 
     def save(self, path: str | Path) -> None:
         """Write a compressed .npz file; one that is there is replaced in one go.
@@ -93,17 +101,7 @@ class PolicyFile:
             ValueError: its name does not end in .npz.
             OSError: it cannot be written.
         """
-        path = Path(path)
-        if path.suffix != ".npz":
-            raise ValueError(f"policy: {path}, wanted a name that ends in .npz")
-        half = path.with_name(f".{path.name}.part")
-        head = {"format": FORMAT, "id": self.id, "about": self.text}
-        try:
-            with open(half, "wb") as file:
-                np.savez_compressed(file, **head, **self.arrays)  # type: ignore[arg-type]
-            os.replace(half, path)
-        finally:
-            half.unlink(missing_ok=True)
+        POLICY.save(path, self.texts, self.arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> PolicyFile:
@@ -113,21 +111,10 @@ class PolicyFile:
             PolicyError: no policy, damaged, or of another version.
             FileNotFoundError: no such file.
         """
-        damaged = PolicyError(f"{path}: is damaged, or no policy; train or get it again")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                said = str(file["format"])
-                if said.startswith("fgenv policy ") and said != FORMAT:
-                    told = f"{path}: is {said!r}, wanted {FORMAT!r}"
-                    raise PolicyError(f"{told}; use the fgenv that wrote it, or train it again")
-                count = sum(name.startswith("weights_") for name in file.files)
-                layers = tuple((file[f"weights_{k}"], file[f"offsets_{k}"]) for k in range(count))
-                about = json.loads(str(file["about"]))
-                found = cls(about, file["mean"], file["std"], layers)
-                if said != FORMAT or str(file["id"]) != found.id:
-                    raise damaged
-                return found
-        except (FileNotFoundError, IsADirectoryError, PermissionError, PolicyError):
-            raise
-        except Exception as error:  # zip, zlib, NumPy and JSON each have their own
-            raise damaged from error
+
+        def read(texts: dict[str, str], arrays: dict[str, Floats]) -> PolicyFile:
+            count = sum(name.startswith("weights_") for name in arrays)
+            layers = tuple((arrays[f"weights_{k}"], arrays[f"offsets_{k}"]) for k in range(count))
+            return cls(json.loads(texts["about"]), arrays["mean"], arrays["std"], layers)
+
+        return POLICY.load(path, read)

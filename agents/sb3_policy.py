@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ class Sb3Policy(Seeing):
         about: dict[str, Any] = {"near": 0.0, "observation": None, "actions": "drive"}
         said = path.with_suffix(".json")
         if said.exists():
-            about |= json.loads(said.read_text(encoding="utf-8"))
+            about |= beside(said, lambda: dict(json.loads(said.read_text(encoding="utf-8"))))
         self._near = float(about["near"])
         self.actions: Any = about["actions"]
         if about["observation"] is not None:
@@ -49,8 +50,8 @@ class Sb3Policy(Seeing):
         normal = path.with_suffix(".pkl")
         self._normal: Any = None
         if normal.exists():
-            with normal.open("rb") as file:
-                self._normal = pickle.load(file)  # a VecNormalize, which needs no environment here
+            # a VecNormalize, which needs no environment here
+            self._normal = beside(normal, lambda: pickle.loads(normal.read_bytes()))
 
     def reset(self, view: View) -> None:
         """Episodes begin.
@@ -83,6 +84,17 @@ class Sb3Policy(Seeing):
         if self._near <= 0:
             return asked
         return homed(asked, view.toward(view.goals), view.remaining, self._near)
+
+
+def beside(path: Path, read: Callable[[], Any]) -> Any:
+    """What is read from a file that belongs to a model; ValueError where it is damaged."""
+    try:
+        return read()
+    except OSError:
+        raise
+    except Exception as error:  # a pickle may raise anything
+        told = f"policy: {path} is damaged; take it away, or save it again"
+        raise ValueError(told) from error
 
 
 def kind_of(path: Path) -> str:

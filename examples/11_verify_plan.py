@@ -4,7 +4,7 @@ import numpy as np
 
 import fgenv
 from fgenv.planners import Plan, PlanError
-from fgenv.planners.plans import hash_of
+from fgenv.planners.plans import PLAN
 
 fgenv.plan("doorway", n=2, seed=0, method="composite").save("plan.npz")
 proof = fgenv.verify("plan.npz")
@@ -33,7 +33,7 @@ rows = {
     for name in ("configurations", "way_points")
     for i in (0, 1)
 }
-np.savez("forged.npz", **{**arrays, "id": hash_of(texts, rows)})
+np.savez("forged.npz", **{**arrays, "id": PLAN.id(texts, rows)})
 try:
     assert not fgenv.verify("forged.npz")
     print("forged.npz: read, but not proved")

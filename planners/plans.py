@@ -1,9 +1,7 @@
 """Plans: timed paths of all robots with their certificate, in memory and as files.
 
-A plan file is a NumPy `.npz` (a zip of arrays; `numpy.load` reads it), compressed:
+A plan file is an archive (`fgenv.archive`) of the format "fgenv plan 1":
 
-    format    "fgenv plan 1"
-    id        SHA-256 of all the rest, 64 hexadecimal digits
     scenario  JSON: the scenario, defaults left out; paths of mesh files are relative to the plan,
               with their SHA-256
     about     JSON: method, planner, seed, margin (m), facts (of the search), certificate,
@@ -18,9 +16,7 @@ and for each robot i, in the order of the scenario:
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -30,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.archive import Archive
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.checks import files
 from fgenv.scenarios.frozen import text_of
@@ -42,11 +39,12 @@ from .problem import Problem
 
 Floats = NDArray[np.float64]
 
-FORMAT = "fgenv plan 1"
-
 
 class PlanError(ValueError):
     """A plan file that cannot be used: why, and the remedy."""
+
+
+PLAN = Archive("plan", 1, ("scenario", "about"), PlanError, "plan again")
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +153,7 @@ class Plan:
     @property
     def id(self) -> str:
         """Hash of all that is in it, 64 hexadecimal digits."""
-        return hash_of(self.texts, self.arrays)
+        return PLAN.id(self.texts, self.arrays)
 
     def save(self, path: str | Path) -> None:
         """Write a compressed .npz file; one that is there is replaced in one go.
@@ -164,19 +162,10 @@ class Plan:
             ValueError: its name does not end in .npz.
             OSError: it cannot be written.
         """
-        path = Path(path)
-        if path.suffix != ".npz":
-            raise ValueError(f"plan: {path}, wanted a name that ends in .npz")
-        scenario = with_hashes(moved(self.scenario, path.parent).at(path.parent))
+        folder = Path(path).parent
+        scenario = with_hashes(moved(self.scenario, folder).at(folder))
         here = replace(self, scenario=scenario, urdf=urdf_hashes(scenario))
-        head = {"format": FORMAT, "id": here.id, **here.texts}
-        half = path.with_name(f".{path.name}.part")
-        try:
-            with open(half, "wb") as file:
-                np.savez_compressed(file, **head, **here.arrays)  # type: ignore[arg-type]
-            os.replace(half, path)
-        finally:
-            half.unlink(missing_ok=True)
+        PLAN.save(path, here.texts, here.arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> Plan:
@@ -186,42 +175,21 @@ class Plan:
             PlanError: no plan, damaged, or of another version.
             FileNotFoundError: no such file.
         """
-        path = Path(path)
-        damaged = PlanError(f"{path}: is damaged, or no plan; plan again")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                said = str(file["format"])
-                if said.startswith("fgenv plan ") and said != FORMAT:
-                    told = f"{path}: is {said!r}, wanted {FORMAT!r}"
-                    raise PlanError(f"{told}; use the fgenv that wrote it, or plan again")
-                texts = {name: str(file[name]) for name in ("scenario", "about")}
-                scenario = Scenario.model_validate(json.loads(texts["scenario"])).at(path.parent)
-                n = range(len(scenario.robots))
-                arrays = {
-                    f"{name}_{i}": file[f"{name}_{i}"]
-                    for name in ("configurations", "way_points")
-                    for i in n
-                }
-                if said != FORMAT or str(file["id"]) != hash_of(texts, arrays):
-                    raise damaged
-            about = json.loads(texts["about"])
-            proof = about["certificate"]
+
+        def read(texts: dict[str, str], arrays: dict[str, Floats]) -> Plan:
+            scenario = Scenario.model_validate(json.loads(texts["scenario"]))
+            about, n = json.loads(texts["about"]), range(len(scenario.robots))
+            proof = about.pop("certificate")
             proof["nearest"] = proof["nearest"] and tuple(proof["nearest"])
             return cls(
-                scenario,
+                scenario.at(Path(path).parent),
                 tuple(arrays[f"configurations_{i}"] for i in n),
                 tuple(arrays[f"way_points_{i}"] for i in n),
-                about["method"],
-                about["planner"],
-                about["seed"],
-                Certificate(**proof),
-                about["facts"],
-                about["urdf"],
+                certificate=Certificate(**proof),
+                **about,
             )
-        except (FileNotFoundError, IsADirectoryError, PermissionError, PlanError):
-            raise
-        except Exception as error:  # zip, zlib, NumPy, JSON and pydantic each have their own
-            raise damaged from error
+
+        return PLAN.load(path, read)
 
 
 def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
@@ -252,17 +220,6 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
         if wrong:
             raise PlanError(f"plan: {problem.names[i]!r} {wrong}; plan again")
     return certify(problem, plan.configurations)
-
-
-def hash_of(texts: dict[str, str], arrays: dict[str, Floats]) -> str:
-    """SHA-256 of all that a plan says."""
-    found = hashlib.sha256(f"{FORMAT}\n".encode())
-    for name, text in texts.items():
-        found.update(f"{name} {len(text)}\n{text}\n".encode())
-    for name, array in arrays.items():
-        array = np.ascontiguousarray(array, dtype="<f8")
-        found.update(f"{name} {array.shape}\n".encode() + array.tobytes())
-    return found.hexdigest()
 
 
 def _length(model: Any, q: Floats) -> float:

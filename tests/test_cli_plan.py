@@ -18,7 +18,7 @@ from fgenv import cli
 from fgenv.cli import errors
 from fgenv.envs import Record
 from fgenv.planners import Plan
-from fgenv.planners.plans import hash_of
+from fgenv.planners.plans import PLAN
 
 SCRIPT = Path(sys.executable).with_name("fgenv")
 
@@ -127,7 +127,7 @@ def test_margins_and_tampering_are_found(fgenv: Shell) -> None:
         for name in ("configurations", "way_points")
         for i in (0, 1)
     }
-    np.savez("q.npz", **{**arrays, "id": hash_of(texts, rows)})
+    np.savez("q.npz", **{**arrays, "id": PLAN.id(texts, rows)})
     code, _, err = fgenv("verify", "q.npz")
     assert code == errors.BAD_INPUT
     assert "'robot 1' goes where its drive cannot" in err

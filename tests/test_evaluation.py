@@ -113,6 +113,18 @@ def test_world_k_runs_case_k_as_a_simulator_alone_does(crossing: FrozenSet) -> N
         assert Results.of(simulator) == e.results
 
 
+def test_own_links_are_no_other_robot() -> None:
+    arms = frozen("cell", n=1, cases=1)  # one arm alone: a random one folds into itself
+    (found,) = run_cases(arms, policy_of("random"), [0], clearance=False, max_steps=150)
+    assert found.met_robots == (0,)
+    simulator = Simulator(arms[0], autoreset=False)
+    from fgenv.agents import run_episode
+
+    record = run_episode(simulator, policy_of("random"), steps=150)
+    assert (record["hit_robots"] == 0).any(), "it has met itself"
+    assert found.met_bodies == ((record["hits"] >= 0).sum(),)
+
+
 def test_straight_is_goto_with_nothing_in_the_way(crossing: FrozenSet) -> None:
     for k, found in enumerate(straight(crossing, range(5))):
         for i, one in enumerate(found.robots):
@@ -211,9 +223,13 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
         (("--policy", "gotoo"), "did you mean 'goto'?"),
         (("--policy", "mlp:nothing.npz"), "nothing.npz: No such file"),
         (("--csv", "no/such/folder.csv"), "there is no folder no/such"),
+        (("--plot", "scores.xyz"), "--plot: scores.xyz, wanted a name that ends in .png, .svg"),
     ],
 )
-def test_what_is_wrong_is_told(fgenv: Shell, arguments: tuple[str, ...], told: str) -> None:
+def test_what_is_wrong_is_told_before_the_cases_are_made(
+    fgenv: Shell, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], told: str
+) -> None:
+    monkeypatch.setattr("fgenv.scenarios.frozen", lambda *_, **__: pytest.fail("made cases"))
     code, _, said = fgenv(*SWAP, *arguments)
     assert code == 2
     assert told in said

@@ -185,6 +185,28 @@ def test_it_acts_wherever_bases_are_planar(name: str) -> None:
     assert (simulator.travelled > 0).any()
 
 
+def test_who_is_gone_hides_no_wall() -> None:
+    """Robots vanish at their goals; a wall beside one is seen through where it stood."""
+    scenario = Scenario.load("random", n=2, seed=0, at_goal="vanish")
+    first = scenario.robots[0]
+    here = first.model_copy(update={"goal": first.start})
+    scenario = scenario.model_copy(update={"robots": (here, scenario.robots[1])})
+    simulator = Simulator(scenario, autoreset=False)
+    policy, rows = Orca(), simulator.reset(seed=0)
+    policy.reset(View(simulator))
+    q, beside = simulator.configurations, np.array([0.1, 0.0])
+
+    def left() -> bool:
+        point = (q[:, 0, None, :2] + beside).copy()
+        policy._forget_robots(1, point, q)
+        return bool(np.isfinite(point).all())
+
+    assert not left()
+    simulator.step(policy.act(rows))
+    assert policy.view.present.tolist() == [[False, True]]
+    assert left()
+
+
 def test_the_disc_encloses_the_body() -> None:
     simulator = Simulator("swap", n=3)
     assert enclosing(simulator.robots[0]) == pytest.approx(0.3, abs=3e-3)

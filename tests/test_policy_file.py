@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -98,6 +98,14 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         made(activation="gelu")
     with pytest.raises(PolicyError, match=r"mean, std: wanted \(6,\)"):
         made(parts=[["goal", 4], ["velocity", 2]])
+    for change, told in (
+        ({"layers": ()}, "layers: none, wanted from 20 to 2"),
+        ({"layers": made().layers[:1]}, "layers: from 20 to 5 numbers, wanted from 20 to 2"),
+        ({"mean": np.full(20, np.nan)}, "mean, std: wanted finite numbers"),
+        ({"about": {"near": 0.0}}, "says nothing of action_names, actions, activation, clip"),
+    ):
+        with pytest.raises(PolicyError, match=told):
+            replace(made(), **change)
     with pytest.raises(
         ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:swap"
     ):

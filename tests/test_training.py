@@ -157,6 +157,36 @@ def test_the_command_trains_and_runs(
     assert found[1]["steps"] == found[2]["steps"] == 3
 
 
+def test_an_older_policy_in_the_folder_is_not_its_own(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "policy.npz").write_bytes((folder / "policy.npz").read_bytes())
+    monkeypatch.setitem(RECIPES, "swap", SWAP)
+    monkeypatch.setattr(Training, "run", interrupt)
+    for extra in ([], ["--json"]):
+        arguments = ["train", "swap", "--n", "2", "--out", str(tmp_path), *extra]
+        monkeypatch.setattr(sys, "argv", ["fgenv", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+        assert stopped.value.code == 130
+        told = capsys.readouterr()
+        assert "written" not in told.out
+        assert "before the first evaluation" in told.out + told.err
+    assert json.loads(told.out)["policy"] is None
+
+
+@pytest.mark.parametrize("suffix", [".pkl", ".json"])
+def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str) -> None:
+    (tmp_path / "model.zip").write_bytes((folder / "model.zip").read_bytes())
+    for junk in (b"junk", b"", b"[1]"):
+        (tmp_path / f"model{suffix}").write_bytes(junk)
+        with pytest.raises(ValueError, match=f"model{suffix} is damaged; take it away"):
+            Sb3Policy(tmp_path / "model.zip")
+
+
 def test_other_robots_are_refused(folder: Path) -> None:
     policy = policy_of(f"mlp:{folder / 'policy.npz'}")
     for scenario, told in (

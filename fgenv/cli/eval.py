@@ -62,15 +62,16 @@ def evaluate(
     from rich.console import Console
 
     from fgenv.agents.evaluation import Evaluation
+    from fgenv.agents.policy import policy_of
     from fgenv.cli.scores import csv_of, facts, tell
 
     console = Console(stderr=as_json, highlight=False)
     writable(csv, plot)
+    acting = tuple(dict.fromkeys(policy or ["goto"]))
+    for name in acting:  # one that is not known is told before the cases are made
+        policy_of(name, seed)
     chosen = set_of(scenario, cases, given(n, size, set or []), console)
-    result, began = (
-        Evaluation(chosen, tuple(dict.fromkeys(policy or ["goto"]))),
-        time.perf_counter(),
-    )
+    result, began = Evaluation(chosen, acting), time.perf_counter()
     interrupted = run(result, seed, jobs, console)
     document = {**facts(result, seed), "wall_seconds": time.perf_counter() - began}
     if not as_json:
@@ -132,8 +133,13 @@ def run(result: Evaluation, seed: int, jobs: int, console: Console) -> bool:
     return False
 
 
-def writable(*files: Path | None) -> None:
+def writable(csv: Path | None, plot: Path | None) -> None:
     """What would only be told after the run is told now."""
-    for path in files:
+    for path in (csv, plot):
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+    if plot is not None:
+        from fgenv.view.scores import SUFFIXES
+
+        if plot.suffix not in SUFFIXES:
+            raise ValueError(f"--plot: {plot}, wanted a name that ends in {', '.join(SUFFIXES)}")

@@ -93,18 +93,20 @@ def train(
         "seed": seed,
         "steps": training.steps,
         "best": training.best and asdict(training.best),
-        "policy": str(path) if path.exists() else None,
+        "policy": training.best and str(path),  # one that was there before is not its own
         "wall_seconds": time.perf_counter() - began,
     }
     if as_json:
         typer.echo(json.dumps(facts, indent=1))
-    elif path.exists():
+    elif training.best:
         size_of = path.stat().st_size
         typer.echo(f"written: {path}, {size_of:,} bytes, after {facts['wall_seconds']:.0f} s")
         typer.echo(f"try it: fgenv run {scenario} --policy mlp:{path}")
     if interrupted:
         console.print(
             "interrupted: the same command with --resume goes on from the last evaluation"
+            if training.best
+            else "interrupted before the first evaluation: nothing of it is kept"
         )
         raise KeyboardInterrupt
 

@@ -1,9 +1,7 @@
 """Records of episodes: compact files that can be looked at, measured, drawn and run again.
 
-A record is a NumPy `.npz` (a zip of arrays; `numpy.load` reads it), compressed:
+A record is an archive (`fgenv.archive`) of the format "fgenv record 1":
 
-    format      "fgenv record 1"
-    id          SHA-256 of all the rest, little-endian: 64 hexadecimal digits
     scenario    JSON: the scenario of this very episode, defaults left out; paths of mesh files are
                 relative to the record, with their SHA-256
     about       JSON: policy; seed and episode (of the world's random numbers); actions (drive or
@@ -22,15 +20,11 @@ and for T steps of n robots, rows as wide as the widest robot's and ending in ze
     hit_times       (T, n) float64, seconds in the step
     hit_points      (T, n, 3) float64, world (m)
     clearances      (T, n) float64, to whatever is nearest (m), infinite where not measured
-
-All are little-endian.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -39,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.archive import Archive
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen import text_of
 from fgenv.scenarios.text import moved
@@ -46,7 +41,6 @@ from fgenv.scenarios.text import moved
 if TYPE_CHECKING:
     from .simulator import Simulator
 
-FORMAT = "fgenv record 1"
 ARRAYS = {
     "configurations": "<f8",
     "status": "|u1",
@@ -65,6 +59,11 @@ Arrays = dict[str, NDArray[Any]]
 
 class RecordError(ValueError):
     """A record that cannot be used: why, and the remedy."""
+
+
+RECORD = Archive(
+    "record", 1, ("scenario", "about"), RecordError, "record the run again", dtypes=ARRAYS
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +118,7 @@ class Record:
     @cached_property
     def id(self) -> str:
         """Hash of all that is in it, 64 hexadecimal digits."""
-        return hash_of(self.texts, self.arrays)
+        return RECORD.id(self.texts, self.arrays)
 
     @property
     def texts(self) -> dict[str, str]:
@@ -134,18 +133,8 @@ class Record:
             ValueError: its name does not end in .npz.
             OSError: it cannot be written.
         """
-        path = Path(path)
-        if path.suffix != ".npz":
-            raise ValueError(f"record: {path}, wanted a name that ends in .npz")
-        here = Record(moved(self.scenario, path.parent), self.about, dict(self.arrays))
-        head = {"format": FORMAT, "id": here.id, **here.texts}
-        half = path.with_name(f".{path.name}.part")
-        try:
-            with open(half, "wb") as file:
-                np.savez_compressed(file, **head, **here.arrays)  # type: ignore[arg-type]
-            os.replace(half, path)
-        finally:
-            half.unlink(missing_ok=True)
+        here = Record(moved(self.scenario, Path(path).parent), self.about, self.arrays)
+        RECORD.save(path, here.texts, here.arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> Record:
@@ -155,24 +144,12 @@ class Record:
             RecordError: no record, damaged, or of another version.
             FileNotFoundError: no such file.
         """
-        path = Path(path)
-        damaged = RecordError(f"{path}: is damaged, or no record; record the run again")
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                said = str(file["format"])
-                if said.startswith("fgenv record ") and said != FORMAT:
-                    told = f"{path}: is {said!r}, wanted {FORMAT!r}"
-                    raise RecordError(f"{told}; use the fgenv that wrote it, or record it again")
-                texts = {name: str(file[name]) for name in ("scenario", "about")}
-                arrays = {name: file[name] for name in ARRAYS}
-                if said != FORMAT or str(file["id"]) != hash_of(texts, arrays):
-                    raise damaged
+
+        def read(texts: dict[str, str], arrays: Arrays) -> Record:
             scenario = Scenario.model_validate(json.loads(texts["scenario"]))
-            return cls(scenario.at(path.parent), json.loads(texts["about"]), arrays)
-        except (FileNotFoundError, IsADirectoryError, PermissionError, RecordError):
-            raise
-        except Exception as error:  # zip, zlib, NumPy and JSON each have their own
-            raise damaged from error
+            return cls(scenario.at(Path(path).parent), json.loads(texts["about"]), arrays)
+
+        return RECORD.load(path, read)
 
     def replay(self, threads: int | None = None) -> Simulator:
         """Run it again with its actions, and prove that all comes out the same, bit for bit.
@@ -199,14 +176,3 @@ class Record:
     def __repr__(self) -> str:
         name = self.scenario.name
         return f"Record({name!r} by {self.policy}: {len(self)} steps, {self.n_robots} robots)"
-
-
-def hash_of(texts: dict[str, str], arrays: Arrays) -> str:
-    """SHA-256 of all that a record says."""
-    found = hashlib.sha256(f"{FORMAT}\n".encode())
-    for name, text in texts.items():
-        found.update(f"{name} {len(text)}\n{text}\n".encode())
-    for name, dtype in ARRAYS.items():
-        array = np.ascontiguousarray(arrays[name], dtype=dtype)
-        found.update(f"{name} {array.shape}\n".encode() + array.tobytes())
-    return found.hexdigest()
