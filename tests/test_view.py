@@ -56,6 +56,31 @@ def test_candidates_are_the_worlds_own(live: Live) -> None:
     assert boxes.shape == (12 * len(simulator.names), 2, 3)
 
 
+def test_what_is_drawn_of_one_robot_is_its_part_of_what_is_drawn_of_all(live: Live) -> None:
+    simulator, every = live.simulator, live.overlays.moment(0)
+    of_all, ones = [np.empty((0, 2, 3))], set[str]()
+    for i, name in enumerate(simulator.names):
+        live.overlays.whose = i
+        one = live.overlays.moment(0)
+        found = every.world.candidates(name).tolist()
+        assert drawings.marked(one) == {every.world.record(body).name for body in found}
+        ones |= drawings.marked(one)
+        of_all.append(drawings.masks(one)[0])
+        assert len(drawings.clearances(one)[0]) == 1
+    np.testing.assert_array_equal(np.concatenate(of_all), drawings.masks(every)[0])
+    assert ones == drawings.marked(every)
+
+
+def test_lines_of_masks_are_over_their_robot(live: Live) -> None:
+    for i, name in enumerate(live.simulator.names):
+        live.overlays.whose = i
+        moment = live.overlays.moment(0)
+        parts = [moment.world.record(part) for part in moment.world.parts(name).tolist()]
+        points = [p.shape.vertices @ p.pose[:3, :3].T + p.pose[:3, 3] for p in parts]
+        highest = np.concatenate(points)[:, 2].max()
+        assert (drawings.masks(moment)[0][..., 2] > highest).all()
+
+
 def test_clearance_lines_are_as_long_as_the_clearances(live: Live) -> None:
     simulator = live.simulator
     world, q = simulator.world(), simulator.configurations[0]

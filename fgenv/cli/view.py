@@ -57,7 +57,8 @@ def view(
     other. Its panel pauses, steps, sets the speed, follows a robot, and shows
     feature points and graphs, motion boxes (of each robot's next second) and
     the masks that they set, lidar rays, clearances, contacts. What bears a
-    robot's mask bit is sky blue, with a line from that robot. Ctrl-C ends it.
+    robot's mask bit is light blue, with a line from that robot; Whose chooses
+    one robot to show these of. Ctrl-C ends it.
     """
     from fgenv.agents import policy_of
     from fgenv.cli.episode import Wanted, simulator_of, strictly

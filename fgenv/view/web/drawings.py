@@ -10,6 +10,7 @@ import numpy as np
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
 from fgenv.envs.assembly import directions, lidar_of
+from fgenv.scenarios import bounds
 from fgenv.view.masking import AHEAD, links, set_masks
 from fgenv.view.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
 from fgenv.view.surfaces import Floats
@@ -17,6 +18,7 @@ from fgenv.view.surfaces import Floats
 Drawn = tuple[Floats, list[Color]]  # segments (n, 2, 3) or points (n, 3), metres, and n colours
 
 GONE = 2  # of a simulator's status
+ABOVE = 0.05  # metres that lines of masks are over their robot
 ENDS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
 BOX_EDGES = np.array([(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit])
 
@@ -27,24 +29,31 @@ class Moment:
 
     Attributes:
         q, before: configurations now and a step ago, (robots, nq).
+        whose: the robot that masks, boxes, rays and clearances are of; all robots if None.
     """
 
     simulator: Simulator
     number: int
     q: Floats
     before: Floats
+    whose: int | None = None
+
+    @property
+    def present(self) -> list[int]:
+        """Robots that are not gone."""
+        return np.flatnonzero(self.simulator.status[self.number] != GONE).tolist()
 
     @property
     def here(self) -> list[int]:
-        """Robots that are not gone."""
-        return np.flatnonzero(self.simulator.status[self.number] != GONE).tolist()
+        """Those of them that are asked for."""
+        return [i for i in self.present if self.whose in (None, i)]
 
     @cached_property
     def world(self) -> World:
         """A copy, with masks set by the motion that each robot goes on with for a second."""
         world = self.simulator.world(self.number)
         by = (self.q - self.before) * (AHEAD / self.simulator.dt)
-        set_masks(world, self.simulator.robots, self.here, self.q, by)
+        set_masks(world, self.simulator.robots, self.present, self.q, by)
         return world
 
 
@@ -85,13 +94,32 @@ def motion_boxes(moment: Moment) -> Drawn:
 
 
 def masks(moment: Moment) -> Drawn:
-    """A line from each robot to each body that its mask leaves to be tested."""
+    """A line from each robot to each body that its mask leaves to be tested.
+
+    Over robots that drive on the floor, where no robot hides it.
+    """
     ends, colors = list[Floats](), list[Color]()
     for i in moment.here:
-        found = links(moment.world, moment.simulator.names[i])
-        ends += [line for _, line in found]
+        robot = moment.simulator.robots[i]
+        found = [line for _, line in links(moment.world, robot.name)]
+        if robot.base == "planar":
+            over = top(moment.world, robot.name) + ABOVE
+            found = [np.column_stack([line[:, :2], (over, over)]) for line in found]
+        ends += found
         colors += [robot_color(i)] * len(found)
     return np.reshape(ends, (-1, 2, 3)), colors
+
+
+def top(world: World, robot: str) -> float:
+    """How high a robot reaches, metres."""
+    return max(float(bounds(world.record(part))[1][2]) for part in world.parts(robot).tolist())
+
+
+def marked(moment: Moment) -> set[str]:
+    """Bodies that bear the mask bit of a robot that is asked for."""
+    world, names = moment.world, moment.simulator.names
+    found = {body for i in moment.here for body in world.candidates(names[i]).tolist()}
+    return {world.record(body).name for body in found}
 
 
 def lidar_rays(moment: Moment) -> Drawn:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 GONE = 2  # of a simulator's status
 RATE = 25.0  # pictures a second while robots move
-NOBODY = "nobody"
+NOBODY, ALL = "nobody", "all robots"
 SPEEDS = ("0.1x", "0.25x", "0.5x", "1x", "2x", "4x", "8x", "fastest")
 
 
@@ -155,7 +155,7 @@ class Live:
         self._told.content = (
             f"**{simulator.steps[world] * simulator.dt:.1f} s**, step {simulator.steps[world]}"
             f" of {simulator.horizon}; {arrived} of {simulator.n_robots} arrived;"
-            f" {met} steps in contact"
+            f" {met} robot steps in contact"
         )
 
     def _pursue(self, q: Floats) -> None:
@@ -177,6 +177,7 @@ class Live:
     def _panel(self) -> None:
         gui, self._at = self.server.gui, None
         gui.configure_theme(show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()  # beside the scene: nothing is under it
         self._told = gui.add_markdown("")
         run = gui.add_button_group("Run", ("Pause", "Play", "Step"))
         self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1x")
@@ -184,6 +185,9 @@ class Live:
         self._follow = gui.add_dropdown("Follow", names, initial_value=NOBODY)
         again = gui.add_button("New episode")
         with gui.add_folder("Show"):
+            whose = gui.add_dropdown(
+                "Whose", (ALL, *self.simulator.names), hint="clearances, boxes, masks and rays"
+            )
             for name in ("goals", *Overlays.NAMES):
                 self._toggle(name)
 
@@ -195,6 +199,12 @@ class Live:
                 self._go.clear()
                 if run.value == "Step":
                     self._steps.release()
+
+        @whose.on_update
+        def _(_: object) -> None:
+            one = None if whose.value == ALL else self.simulator.names.index(str(whose.value))
+            self.overlays.whose = one
+            self._changed.set()
 
         @again.on_click
         def _(_: object) -> None:

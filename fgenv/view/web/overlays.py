@@ -51,6 +51,7 @@ class Overlays:
     def __init__(self, scene: SceneApi, scenery: Scenery, simulator: Simulator) -> None:
         self.scenery, self.simulator = scenery, simulator
         self.on = {name: name in ("trails", "contact points") for name in self.NAMES}
+        self.whose: int | None = None  # the robot that these are of, as in `Moment`
         self._trail: deque[Floats] = deque(maxlen=TRAIL)
         self._before = self._now = np.zeros((simulator.n_robots, 0))
         self._tinted = False
@@ -88,7 +89,7 @@ class Overlays:
 
     def moment(self, world: int) -> Moment:
         """A world as it was noted last."""
-        return Moment(self.simulator, world, self._now, self._before)
+        return Moment(self.simulator, world, self._now, self._before, self.whose)
 
     def draw(self, world: int) -> None:
         """All that is on; what is off is wiped away."""
@@ -110,13 +111,16 @@ class Overlays:
         return ends[moved], [robot_color(i) for i in np.nonzero(moved)[1].tolist()]
 
     def _tint(self, moment: Moment) -> None:
-        """What stands and bears anybody's mask bit in another colour, where masks are shown."""
+        """What stands and bears a mask bit in another colour, where masks are shown."""
         if not self.on["masks"] and not self._tinted:
             return
         built = self.scenery.built
         colors = [static_color(shape.name) for shape in built.shapes]
         if self.on["masks"]:
-            bits = [moment.world.mask(name) for name in built.names]
-            colors = [MARKED if bit else color for bit, color in zip(bits, colors, strict=True)]
+            found = drawings.marked(moment)
+            colors = [
+                MARKED if name in found else color
+                for name, color in zip(built.names, colors, strict=True)
+            ]
         self.scenery.paint_standing(colors)
         self._tinted = self.on["masks"]

@@ -107,7 +107,7 @@ class Scenery:
         every = np.concatenate([*ends, *([] if corners is None else [corners])])
         self.low, self.high = every.min(axis=0), every.max(axis=0)
         self.floor = min(0.0, float(self.low[2]))
-        self.camera: Camera = overview(every, 800, 640)  # room for a panel beside it
+        self.camera: Camera = overview(every, 640, 640)  # in any window but a high one
         self._ground()
         self._stand()
         self.goals = Fleet(scene, "/goals", built, GHOST)
