@@ -10,6 +10,7 @@ import stable_baselines3
 import torch
 
 from fgenv import __version__
+from fgenv.agents.base_action import BaseAction
 from fgenv.agents.policy_file import PolicyFile
 from fgenv.envs import Simulator
 
@@ -21,8 +22,7 @@ def exported(
     normal: Any,
     simulator: Simulator,
     about: dict[str, Any],
-    *,
-    near: float = 0.0,
+    base: BaseAction,
 ) -> PolicyFile:
     """The network that gives the best action, and the normalisation of what it sees.
 
@@ -31,7 +31,7 @@ def exported(
         normal: the `VecNormalize` that it was trained in; None: it saw observations as they are.
         simulator: that it was trained in.
         about: name, command, seed, scenario, steps.
-        near: where `goto` takes over, see `HomingVecEnv`.
+        base: what made actions of its output, see `HomingVecEnv`.
 
     Raises:
         ValueError: the network is of another kind.
@@ -54,7 +54,7 @@ def exported(
         "parts": [[part.name, part.slice.stop - part.slice.start] for part in simulator.layouts[0]],
         "actions": simulator.actions,
         "action_names": [list(action[:4]) for action in simulator.robots[0].actions],
-        "near": near,
+        **asdict(base),
         "activation": NAMES[next(iter(kinds))] if kinds else "tanh",
         "clip": clip,
         "versions": {

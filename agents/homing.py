@@ -1,29 +1,33 @@
-"""Rows that learn how to get near their goals: from there `goto` takes over."""
+"""Rows of which each action is made of a network's output and of what `goto` does."""
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
+from fgenv.agents.base_action import BaseAction
 from fgenv.agents.sb3 import FleetVecEnv
-from fgenv.agents.trained import homed
 from fgenv.envs import View
 
 
 class HomingVecEnv(FleetVecEnv):
-    """A `FleetVecEnv` in which `goto` drives who is nearer than `near` to its goal.
+    """A `FleetVecEnv` whose actions a `BaseAction` makes of those that are asked for."""
 
-    To stop at a place and turn as wanted is known: what is to be learned is to avoid others on the
-    way there. `near` is in metres (of a fixed base: radians of all joints together).
-    """
+    base = BaseAction()
 
-    near = 0.0
+    def reset(self) -> NDArray[np.float32]:
+        """See `FleetVecEnv`."""
+        self._seen = super().reset()
+        return self._seen
 
     def step_wait(self) -> VecEnvStepReturn:
         """See `FleetVecEnv`."""
-        simulator = self.simulator
-        if self.near > 0:
-            shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-            own = View(simulator).toward(simulator.goals)
-            asked = homed(self._actions.reshape(shape), own, simulator.remaining, self.near)
-            self._actions = asked.reshape(self.num_envs, -1)
-        return super().step_wait()
+        worlds, robots = self.simulator.n_worlds, self.simulator.n_robots
+        asked = self._actions.reshape(worlds, robots, -1)
+        seen = self._seen.reshape(worlds, robots, -1)
+        made = self.base.actions(asked, View(self.simulator), seen)
+        self._actions = made.reshape(self.num_envs, -1)
+        rows, rewards, dones, infos = super().step_wait()
+        self._seen = np.asarray(rows)
+        return self._seen, rewards, dones, infos

@@ -5,7 +5,8 @@ An archive (`fgenv.archive`) of the format "fgenv policy 1":
     about       JSON: name, command, seed, scenario (name and overrides that it was trained with),
                 steps; observation (what `fgenv.envs.Observation` takes), parts (name and size of
                 each part of a row, in order), actions (drive or way_points), action_names (with
-                unit, lowest and highest: an action of -1 and 1); near; activation (tanh or relu),
+                unit, lowest and highest: an action of -1 and 1); near; residual (0 if left out);
+                activation (tanh or relu),
                 clip; versions
     mean, std   (inputs,) float64, of the rows of observations: the network sees
                 (row - mean) / std, brought to -clip to clip

@@ -47,6 +47,7 @@ class Recipe:
         actions: `drive` or `way_points`, see `Simulator`. Way points suit drives that cannot go
             sideways: who is to go there turns, then drives.
         near: metres from the goal at which `goto` takes over; 0: it never does.
+        residual: what a network's output counts beside that of `goto`, see `BaseAction`; 0: alone.
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
         n_steps: of each row between two updates; batch, epochs: of an update.
@@ -61,6 +62,7 @@ class Recipe:
     max_steps: int = 300
     actions: str = "drive"
     near: float = 1.0
+    residual: float = 0.0
     steps: int = 4_000_000
     rows: int = 256
     n_steps: int = 64

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from fgenv.agents.base_action import BaseAction
 from fgenv.agents.seeing import Seeing
-from fgenv.agents.trained import homed
 from fgenv.envs import Observation, View
 from fgenv.envs.simulator import Floats, Rows
 
@@ -39,11 +39,11 @@ class Sb3Policy(Seeing):
 
         kind = kind_of(path)
         self._model: Any = getattr(stable_baselines3, kind).load(path, device="cpu")
-        about: dict[str, Any] = {"near": 0.0, "observation": None, "actions": "drive"}
+        about: dict[str, Any] = {"observation": None, "actions": "drive"}
         said = path.with_suffix(".json")
         if said.exists():
             about |= beside(said, lambda: dict(json.loads(said.read_text(encoding="utf-8"))))
-        self._near = float(about["near"])
+        self._base = BaseAction(about.get("near", 0.0), about.get("residual", 0.0))
         self.actions: Any = about["actions"]
         if about["observation"] is not None:
             self.observation = Observation(**about["observation"])
@@ -80,10 +80,7 @@ class Sb3Policy(Seeing):
             rows = self._normal.normalize_obs(rows)
         found, _ = self._model.predict(rows, deterministic=True)
         asked = np.asarray(found, dtype=np.float64).reshape(*observations.shape[:2], -1)
-        view = self.view
-        if self._near <= 0:
-            return asked
-        return homed(asked, view.toward(view.goals), view.remaining, self._near)
+        return self._base.actions(asked, self.view, observations)
 
 
 def beside(path: Path, read: Callable[[], Any]) -> Any:

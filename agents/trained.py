@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fgenv import _core
+from fgenv.agents.base_action import BaseAction
 from fgenv.agents.policy_file import PolicyError, PolicyFile
 from fgenv.agents.seeing import Seeing
 from fgenv.envs import Observation, View
@@ -34,6 +35,7 @@ class Trained(Seeing):
         layers = zip(file.layers, kinds, strict=True)
         self._network = _core.Network([(w, b, kind) for (w, b), kind in layers])
         self._clip = float(file.about["clip"])
+        self._base = BaseAction(file.about["near"], file.about.get("residual", 0.0))
 
     @classmethod
     def load(cls, path: str | Path) -> Trained:
@@ -66,20 +68,13 @@ class Trained(Seeing):
 
     def act(self, observations: Rows) -> Floats:
         """Actions (worlds, robots, size)."""
-        view, file = self.view, self.file
+        file = self.file
         rows = np.zeros((*observations.shape[:2], len(file.mean)))
         for i, slices in enumerate(self._slices):
             for into, of in slices:
                 rows[:, i, into] = observations[:, i, of]
         seen = np.clip((rows - file.mean) / file.std, -self._clip, self._clip)
-        found = np.clip(self._network.run(seen, None), -1.0, 1.0)
-        near = file.about["near"]
-        return homed(found, view.toward(view.goals), view.remaining, near) if near > 0 else found
-
-
-def homed(asked: Floats, own: Floats, remaining: Floats, near: float) -> Floats:
-    """What is asked for, but what `goto` does where less than `near` remains to the goal."""
-    return np.where((remaining < near)[..., None], own, np.asarray(asked, dtype=np.float64))
+        return self._base.actions(self._network.run(seen, None), self.view, observations)
 
 
 def fitted(

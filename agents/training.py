@@ -27,6 +27,7 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from fgenv.agents.base_action import BaseAction
 from fgenv.agents.episodes import run_cases
 from fgenv.agents.exporting import exported
 from fgenv.agents.homing import HomingVecEnv
@@ -163,14 +164,14 @@ class Training:
             "steps": self.steps,
         }
         envs = self.normal.venv.parts[0]
-        return exported(self.model, self.normal, envs.simulator, about, near=envs.near)
+        return exported(self.model, self.normal, envs.simulator, about, envs.base)
 
     def save(self) -> None:
         """Write what is needed to go on."""
         self._save_model()
         self.normal.save(str(self.folder / "model.pkl"))
         about = self.export().about
-        told = {name: about[name] for name in ("observation", "actions", "near")}
+        told = {name: about[name] for name in ("observation", "actions", "near", "residual")}
         (self.folder / "model.json").write_text(json.dumps(told), encoding="utf-8")
         state = {**self.settings, "steps": self.steps, "best": self.best and asdict(self.best)}
         half = self.folder / ".training.json.part"
@@ -259,7 +260,7 @@ class Training:
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
-        envs.near = recipe.near
+        envs.base = BaseAction(recipe.near, recipe.residual)
         return envs
 
 

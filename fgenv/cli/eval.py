@@ -139,7 +139,6 @@ def writable(csv: Path | None, plot: Path | None) -> None:
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
     if plot is not None:
-        from fgenv.view.scores import SUFFIXES
+        from fgenv.view.canvas import checked
 
-        if plot.suffix not in SUFFIXES:
-            raise ValueError(f"--plot: {plot}, wanted a name that ends in {', '.join(SUFFIXES)}")
+        checked(plot, "--plot")

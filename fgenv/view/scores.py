@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fgenv.agents.scores import Score
 
-from .plots import SUFFIXES as SUFFIXES
-
 SHOWN = {
     "success": "success, of episodes",
     "robot_collision": "ran into a robot, of robots",
