@@ -69,8 +69,8 @@ class PolicyFile:
         if not np.isfinite([self.mean, self.std]).all():
             raise PolicyError("policy: mean, std: wanted finite numbers")
         ends = [(weights.shape[0], len(offsets)) for weights, offsets in self.layers]
-        actions = len(self.about["action_names"])
-        if not ends or (ends[0][0], ends[-1][1]) != (size, actions):
+        drive, actions = self.about["actions"] == "drive", len(self.about["action_names"])
+        if not ends or ends[0][0] != size or (drive and ends[-1][1] != actions):
             told = f"from {ends[0][0]} to {ends[-1][1]} numbers" if ends else "none"
             raise PolicyError(f"policy: layers: {told}, wanted from {size} to {actions}")
         if self.about["activation"] not in ACTIVATIONS:

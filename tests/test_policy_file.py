@@ -66,6 +66,19 @@ def test_near_its_goal_goto_takes_over() -> None:
     np.testing.assert_array_equal(added.act(rows), np.where(there, goto, plain.act(rows)))
 
 
+def test_way_points_have_numbers_of_their_own(tmp_path: Path) -> None:
+    """They are configurations: three numbers for a drive of two."""
+    file = made(actions="way_points")
+    (first, (w, b)) = file.layers
+    wider = (np.concatenate([w, w[:, :1]], axis=1), np.concatenate([b, b[:1]]))
+    replace(file, layers=(first, wider)).save(tmp_path / "policy.npz")
+    policy = Trained.load(tmp_path / "policy.npz")
+    simulator = Simulator("swap", n=3, observation=SEEN, actions="way_points")
+    rows = simulator.reset(seed=0)
+    policy.reset(View(simulator))
+    assert policy.act(rows).shape == (1, 3, simulator.action_size) == (1, 3, 3)
+
+
 def test_damage_is_found(tmp_path: Path) -> None:
     path = tmp_path / "policy.npz"
     made().save(path)
