@@ -82,4 +82,6 @@ class MixedVecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """End the live views, if there are any."""
+        for part in self.parts:
+            part.close()

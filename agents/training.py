@@ -103,6 +103,8 @@ class Training:
         if resume:
             self._resume()
         else:
+            for name in ("training.json", "model.zip", "model.pkl", "model.json", "policy.npz"):
+                (folder / name).unlink(missing_ok=True)  # or --resume would go on with an older one
             (folder / "evaluations.csv").write_text(HEAD, encoding="utf-8")
         self._cases = self._check_cases()
 
@@ -184,8 +186,9 @@ class Training:
             raise ValueError(f"--resume: nothing to go on with in {self.folder}; leave it out")
         state = json.loads(path.read_text(encoding="utf-8"))
         for name, value in json.loads(json.dumps(self.settings, default=list)).items():
-            if state[name] != value:
-                raise ValueError(f"--resume: {name} was {state[name]}, wanted the same again")
+            if state.get(name) != value:
+                told = f"--resume: {name} was {state.get(name)}, wanted the same again"
+                raise ValueError(f"{told}; or leave --resume out")
         self.steps = self.checked = state["steps"]
         self.next = self.steps + self.wanted.every
         self.best = state["best"] and Check(**state["best"])

@@ -53,11 +53,11 @@ def test_without_a_hint_targets_are_goals() -> None:
 
 def test_near_its_goal_a_robot_does_what_goto_does(view: View) -> None:
     seen = view._simulator.observe()
-    far = float(np.sort(view.remaining.ravel())[3])
+    far = float(np.mean(view.remaining))
     asked = np.full((2, 3, 2), 0.25)
     found = BaseAction(near=far).actions(asked, view, seen)
     near = view.remaining < far
-    assert near.sum() == 3
+    assert 0 < near.sum() < near.size
     assert (found[near] == view.toward(view.goals)[near]).all()
     assert (found[~near] == 0.25).all()
 

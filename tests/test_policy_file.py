@@ -120,7 +120,7 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         with pytest.raises(PolicyError, match=told):
             replace(made(), **change)
     with pytest.raises(
-        ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:swap"
+        ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:"
     ):
         policy_of("mlp:")
     (tmp_path / "model.zip").write_bytes(b"no zip")

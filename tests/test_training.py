@@ -164,7 +164,7 @@ def test_an_older_policy_in_the_folder_is_not_its_own(
         raise KeyboardInterrupt
 
     (tmp_path / "policy.npz").write_bytes((folder / "policy.npz").read_bytes())
-    monkeypatch.setitem(RECIPES, "swap", SWAP)
+    monkeypatch.setattr("fgenv.agents.recipes.RECIPES", (("swap", {}, SWAP),))
     monkeypatch.setattr(Training, "run", interrupt)
     for extra in ([], ["--json"]):
         arguments = ["train", "swap", "--n", "2", "--out", str(tmp_path), *extra]
