@@ -64,6 +64,7 @@ def evaluate(
     *,
     seed: int = 0,
     jobs: int = 1,
+    clearance: bool = True,
     progress: Callable[[Evaluation], object] | None = None,
 ) -> Evaluation:
     """Run policies through all cases.
@@ -74,32 +75,35 @@ def evaluate(
         policies: names, see `policy_of`.
         seed: of what is random in a policy.
         jobs: processes; one: all cores by threads.
+        clearance: measure the least one, which takes longer.
         progress: called with what there is, now and then; keep it for when you interrupt.
 
     Raises:
         ValueError: a policy is not known, or does not fit the scenario.
     """
     result = Evaluation(cases, tuple(dict.fromkeys(policies)))
-    for policy, found in units(result, seed, jobs):
+    for policy, found in units(result, seed, jobs, clearance):
         result.add(policy, found)
         if progress is not None:
             progress(result)
     return result
 
 
-def units(result: Evaluation, seed: int, jobs: int) -> Iterator[tuple[str, list[tuple[int, Any]]]]:
+def units(
+    result: Evaluation, seed: int, jobs: int, clearance: bool = True
+) -> Iterator[tuple[str, list[tuple[int, Any]]]]:
     """Parts of the work, in one order, whoever does them."""
     n = len(result.cases)
     parts = [range(first, min(first + WORLDS, n)) for first in range(0, n, WORLDS)]
     wanted = [(policy, part) for part in parts for policy in (STRAIGHT, *result.policies)]
     if jobs == 1:
         for policy, part in wanted:
-            yield policy, unit(result.cases, policy, part, seed, None)
+            yield policy, unit(result.cases, policy, part, seed, None, clearance)
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
         try:
-            made = [pool.submit(unit, result.cases, *work, seed, 1) for work in wanted]
+            made = [pool.submit(unit, result.cases, *work, seed, 1, clearance) for work in wanted]
             for (policy, _), future in zip(wanted, made, strict=True):
                 yield policy, future.result()
         except BaseException:
@@ -108,10 +112,15 @@ def units(result: Evaluation, seed: int, jobs: int) -> Iterator[tuple[str, list[
 
 
 def unit(
-    cases: FrozenSet, policy: str, which: Sequence[int], seed: int, threads: int | None
+    cases: FrozenSet,
+    policy: str,
+    which: Sequence[int],
+    seed: int,
+    threads: int | None,
+    clearance: bool,
 ) -> list[tuple[int, Any]]:
     """A policy's episodes of some cases."""
     if policy == STRAIGHT:
         return list(zip(which, straight(cases, which, threads=threads), strict=True))
-    found = run_cases(cases, policy_of(policy, seed), which, threads=threads)
+    found = run_cases(cases, policy_of(policy, seed), which, clearance=clearance, threads=threads)
     return [(episode.case, episode) for episode in found]

@@ -51,7 +51,7 @@ class Recipe:
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
         n_steps: of each row between two updates; batch, epochs: of an update.
-        learning_rate: at first; it falls to 0 at the end.
+        learning_rate: at first; with `anneal` it falls to 0 at the end.
         hidden: widths of the network's layers.
     """
 
@@ -69,6 +69,7 @@ class Recipe:
     batch: int = 2048
     epochs: int = 5
     learning_rate: float = 1e-3
+    anneal: bool = True
     gamma: float = 0.99
     gae_lambda: float = 0.95
     entropy: float = 0.0
@@ -109,6 +110,17 @@ FEW = tuple(some(n=n) for n in (2, 4, 6, 8))
 DISCS = Recipe(
     CROWD, PAID, staged(*CIRCLES, vary=0.5), cases=100, near=0.3, rows=512, steps=10_000_000
 )
+WHEELED = Recipe(  # on wheels it learns to wait where collisions are dear and circles wide
+    replace(CROWD, neighbours=3),
+    PAID,
+    (
+        Stage(0.4, collision=-0.5, response="pass", mix=LONG),
+        Stage(0.4, collision=-1.0, response="pass", mix=LONG),
+        Stage(0.2, collision=-1.0, mix=LONG),
+    ),
+    steps=5_000_000,
+    anneal=False,
+)
 BODIES = replace(DISCS, stages=staged(*LONG, vary=0.5), steps=6_000_000)
 HALL = Recipe(LED, PAID, staged(*FEW), cases=150, near=0.4, rows=512, max_steps=400)
 JUNCTION = replace(HALL, observation=DRIVEN, near=1.0)
@@ -117,9 +129,9 @@ WOOD = Recipe(FLYING, PAID, staged(*FEW[1:]), cases=100, near=0.5, steps=3_000_0
 ANY = Recipe(SEEING, PAID, (Stage(1.0),))
 
 RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
-    ("swap", some(), replace(DISCS, near=1.0)),
+    ("swap", some(), WHEELED),
     ("swap", some(drive="holonomic"), DISCS),
-    ("swap", some(body="long"), replace(BODIES, near=1.0)),
+    ("swap", some(body="long"), WHEELED),
     ("swap", some(body="long", drive="holonomic"), BODIES),
     ("swap", some(body="l"), BODIES),
     ("doorway", some(), replace(HALL, near=1.0)),

@@ -235,9 +235,10 @@ class Training:
         self.model.save(self.folder / "model.zip", exclude=["lr_schedule"])
 
     def _rate(self, _: float) -> float:
-        """The learning rate now: it falls to 0 at the end of all stages."""
-        left = 1.0 - self.steps / self.wanted.steps
-        return self.wanted.recipe.learning_rate * max(0.0, left)
+        """The learning rate now: it may fall to 0 at the end of all stages."""
+        recipe = self.wanted.recipe
+        left = 1.0 - self.steps / self.wanted.steps if recipe.anneal else 1.0
+        return recipe.learning_rate * max(0.0, left)
 
     def _envs(self, number: int, stage: Stage) -> MixedVecEnv:
         seed = LEARN + 100_000 * self.wanted.seed + 10_000 * number

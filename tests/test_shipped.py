@@ -7,23 +7,48 @@ import pytest
 from fgenv.agents import Trained, policy_of
 from fgenv.agents.episodes import run_cases
 from fgenv.agents.named import shipped
+from fgenv.bench.policies import chosen
 from fgenv.scenarios import frozen
 
-# Of the first 12 cases of a frozen set of jittered swap: successes, and steps of the longest
-KNOWN = {4: (12, 49), 6: (12, 52), 8: (12, 61)}
+# Of the first 12 cases of a set of `fgenv bench policies`: successes, and steps of the longest
+KNOWN = {
+    "swap 4 jittered holonomic": (12, 49),
+    "swap 8 jittered holonomic": (12, 55),
+    "swap 8 symmetric holonomic": (12, 54),
+    "swap 12 jittered holonomic": (12, 68),
+    "swap 12 symmetric holonomic": (12, 66),
+    "swap 20 jittered holonomic": (10, 600),
+    "swap 20 symmetric holonomic": (12, 118),
+    "long 4 holonomic": (12, 53),
+    "long 8 holonomic": (12, 57),
+    "l 4 holonomic": (12, 53),
+    "l 8 holonomic": (12, 87),
+    "swap 4 jittered differential": (12, 210),
+    "swap 8 jittered differential": (12, 87),
+    "swap 8 symmetric differential": (12, 84),
+    "swap 12 jittered differential": (7, 600),
+    "swap 12 symmetric differential": (9, 105),
+    "swap 20 jittered differential": (0, 600),
+    "swap 20 symmetric differential": (0, 600),
+}
 
 
 @pytest.mark.parametrize("name", shipped())
 def test_files_are_small_and_tell_where_they_come_from(name: str) -> None:
     policy = policy_of(f"mlp:{name}")
     assert isinstance(policy, Trained)
-    assert policy.file.about["command"].startswith(f"fgenv train {name}")
+    assert policy.file.about["command"].startswith("fgenv train ")
     assert shipped()[name].stat().st_size < 200_000
 
 
-@pytest.mark.parametrize("n", KNOWN)
-def test_swap_scores_as_told(n: int) -> None:
-    cases = frozen("swap", n=n, jitter=0.2, cases=12)
-    found = run_cases(cases, policy_of("mlp:swap"), range(12), clearance=False)
+def test_all_sets_are_known() -> None:
+    assert {trial.name for trial in chosen("shipped")} == set(KNOWN)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_scores_are_as_told(name: str) -> None:
+    (trial,) = (trial for trial in chosen("shipped") if trial.name == name)
+    cases = frozen(trial.scenario, cases=12, **trial.overrides)
+    found = run_cases(cases, policy_of(f"mlp:{trial.policy}"), range(12), clearance=False)
     steps = max(episode.results.steps for episode in found)
-    assert (sum(episode.success for episode in found), steps) == KNOWN[n]
+    assert (sum(episode.success for episode in found), steps) == KNOWN[name]

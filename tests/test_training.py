@@ -123,12 +123,14 @@ def test_the_most_special_recipe_is_taken() -> None:
         "swap", {"drive": "holonomic"}
     )
     assert recipe_of("swap", {"drive": "holonomic"}).near < recipe_of("swap").near
-    assert recipe_of("swap", {"body": "long"}).steps < recipe_of("swap").steps
+    crowd = recipe_of("swap", {"drive": "holonomic"})
+    assert recipe_of("swap", {"drive": "holonomic", "body": "long"}).steps < crowd.steps
     assert recipe_of("mine.yaml", {"n": 4}) == recipe_of("other")
 
 
 def test_the_learning_rate_falls_to_nothing(tmp_path: Path) -> None:
-    training = Training(Wanted("swap", SWAP, {"n": 3}, 2000, 0, "", 1000), tmp_path)
+    falling = replace(SWAP, anneal=True)
+    training = Training(Wanted("swap", falling, {"n": 3}, 2000, 0, "", 1000), tmp_path)
     rates = []
     training.run(lambda steps, check: rates.append(training._rate(0.0)))
     assert rates[0] > 0.9 * SWAP.learning_rate

@@ -42,9 +42,12 @@ def policies(
                 status.update(f"{trial.name}, {k + 1} of {len(trials)}")
                 done += run(trial, cases, jobs)
     finally:  # interrupted, what there is by then is told
-        table = Table(title=f"{cases} cases each", box=None, title_justify="left")
+        table = Table(
+            title=f"{cases} cases each", box=None, padding=(0, 0, 0, 1), title_justify="left"
+        )
         for title in ("set", "policy", "success", "wanted", "collide", "late", "extra time *"):
-            table.add_column(title, justify="left" if title in ("set", "policy") else "right")
+            left = title in ("set", "policy")
+            table.add_column(title, justify="left" if left else "right", no_wrap=True)
         for r in done:
             table.add_row(*row(r))
         console.print(table)

@@ -1,0 +1,39 @@
+"""``fgenv bench policies``: the goals as a table."""
+
+import json
+import sys
+
+import pytest
+
+from fgenv import cli
+from fgenv.agents.named import shipped
+from fgenv.bench.policies import chosen, trials
+
+
+def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
+    named = {trial.policy for trial in trials()}
+    assert set(shipped()) <= named
+    for trial in chosen("shipped"):
+        assert trial.policies == ("orca", f"mlp:{trial.policy}", f"safe:mlp:{trial.policy}")
+    assert len({trial.name for trial in trials()}) == len(list(trials()))
+
+
+def test_a_set_that_is_none_is_told() -> None:
+    with pytest.raises(ValueError, match="nothing has 'moon' in its name, wanted a part of: swap"):
+        chosen("moon")
+
+
+def test_the_command_tells_rows(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = ["bench", "policies", "--sets", "long 4 holonomic", "--cases", "3", "--json"]
+    monkeypatch.setattr(sys, "argv", ["fgenv", *line])
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+    assert not stopped.value.code
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert [row["policy"] for row in rows] == ["orca", *chosen("long 4 holonomic")[0].policies[1:]]
+    for row in rows:
+        assert 0 <= row["success"][1] <= row["success"][0] <= row["success"][2] <= 1
+        assert row["met"] == (None if row["policy"] == "orca" else row["success"][0] >= row["goal"])
+    assert rows[2]["robot_collision"] == 0.0  # behind the filter
