@@ -42,13 +42,13 @@ def policies(
                 status.update(f"{trial.name}, {k + 1} of {len(trials)}")
                 done += run(trial, cases, jobs)
     finally:  # interrupted, what there is by then is told
-        table = Table(
-            title=f"{cases} cases each", box=None, padding=(0, 0, 0, 1), title_justify="left"
-        )
-        for title in ("set", "policy", "success", "wanted", "collide", "late", "extra time *"):
-            left = title in ("set", "policy")
+        table = Table(title=f"{cases} cases each", box=None, title_justify="left")
+        for title in ("policy", "success", "collide", "late", "extra time *"):
+            left = title == "policy"
             table.add_column(title, justify="left" if left else "right", no_wrap=True)
         for r in done:
+            if r["policy"] == done[0]["policy"]:
+                table.add_row(f"{r['set']}, wanted {r['goal']:.2f}")
             table.add_row(*row(r))
         console.print(table)
         console.print("success: of episodes, with its 95 % interval; collide, late: of robots")
@@ -58,13 +58,11 @@ def policies(
 
 
 def row(r: dict[str, Any]) -> tuple[str, ...]:
-    """A line of the table; the set's name and goal with its first policy."""
-    first, share = r["met"] is None, r["success"]
+    """A policy's line of the table."""
+    share = r["success"]
     return (
-        r["set"] if first else "",
-        r["policy"],
+        f"  {r['policy']}",
         f"{share.value:.2f} [{share.low:.2f}, {share.high:.2f}]",
-        f"{r['goal']:.2f}" if first else "met" if r["met"] else "missed",
         f"{r['robot_collision']:.3f}",
         f"{r['time_out']:.3f}",
         f"{r['extra_time'].value:.2f}" if r["shared"] else "-",
