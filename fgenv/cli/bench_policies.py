@@ -48,7 +48,7 @@ def policies(
             table.add_column(title, justify="left" if left else "right", no_wrap=True)
         for r in done:
             if r["policy"] == done[0]["policy"]:
-                table.add_row(f"{r['set']}, wanted {r['goal']:.2f}")
+                table.add_row(r["set"], f"wanted {r['goal']:.2f}")
             table.add_row(*row(r))
         console.print(table)
         console.print("success: of episodes, with its 95 % interval; collide, late: of robots")
