@@ -2,6 +2,7 @@
 
 import json
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -24,14 +25,16 @@ def test_a_set_that_is_none_is_told() -> None:
 
 
 def test_the_command_tells_rows(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
+    plot = tmp_path / "shares.svg"
     line = ["bench", "policies", "--sets", "long 4 holonomic", "--cases", "3", "--json"]
-    monkeypatch.setattr(sys, "argv", ["fgenv", *line])
+    monkeypatch.setattr(sys, "argv", ["fgenv", *line, "--plot", str(plot)])
     with pytest.raises(SystemExit) as stopped:
         cli.main()
     assert not stopped.value.code
     rows = json.loads(capsys.readouterr().out)["rows"]
+    assert "mlp:long-holonomic" in plot.read_text()  # a legend that names who is drawn
     assert [row["policy"] for row in rows] == ["orca", *chosen("long 4 holonomic")[0].policies[1:]]
     for row in rows:
         assert 0 <= row["success"][1] <= row["success"][0] <= row["success"][2] <= 1

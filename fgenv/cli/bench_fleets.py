@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json
+from fgenv.cli.options import Json, Shares
 
 
 def fleets(
@@ -15,6 +15,7 @@ def fleets(
         str, typer.Option("--fleets", help="all, or parts of fleets' names, with commas.")
     ] = "all",
     cases: Annotated[int, typer.Option("--cases", min=1, help="Of each frozen set.")] = 100,
+    plot: Shares = None,
     as_json: Json = False,
 ) -> None:
     """Plan frozen sets of many robots by each method: how many are solved, how fast, how well.
@@ -28,7 +29,12 @@ def fleets(
     from fgenv.bench.fleets.run import bench_fleets
     from fgenv.bench.fleets.sets import chosen
     from fgenv.bench.pairs import machine
+    from fgenv.confidence import rate
+    from fgenv.view import shares
+    from fgenv.view.canvas import checked
 
+    if plot is not None:
+        checked(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     fleets = chosen(which)
     about = machine()
@@ -44,5 +50,10 @@ def fleets(
     finally:  # interrupted, what there is by then is told
         console.print(table_of(done))
         console.print(NOTE)
+        if plot is not None and done:
+            found: dict[str, dict[str, Any]] = {}
+            for r in done:
+                found.setdefault(r["fleet"], {})[r["method"]] = rate(r["solved"], r["cases"])
+            shares.draw(found, "solved, of cases", plot)
         if as_json:
             typer.echo(json.dumps({"machine": about, "cases": cases, "rows": done}, indent=1))

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json
+from fgenv.cli.options import Json, Shares
 
 
 def policies(
@@ -22,6 +22,7 @@ def policies(
     jobs: Annotated[
         int, typer.Option("--jobs", min=1, max=256, help="Processes; results are the same.")
     ] = 1,
+    plot: Shares = None,
     as_json: Json = False,
 ) -> None:
     """Policies that come along, the same behind the safety filter, and ORCA, on frozen sets.
@@ -33,7 +34,11 @@ def policies(
     from rich.table import Table
 
     from fgenv.bench.policies import chosen, run
+    from fgenv.view import shares
+    from fgenv.view.canvas import checked
 
+    if plot is not None:
+        checked(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     trials, done = chosen(which), list[dict[str, Any]]()
     try:
@@ -53,6 +58,10 @@ def policies(
         console.print(table)
         console.print("success: of episodes, with its 95 % interval; collide, late: of robots")
         console.print("* seconds more than straight, where all policies of the set succeed")
+        if plot is not None and done:
+            names = dict.fromkeys(r["set"] for r in done)
+            found = {n: {r["policy"]: r["success"] for r in done if r["set"] == n} for n in names}
+            shares.draw(found, "success, of episodes", plot)
         if as_json:
             typer.echo(json.dumps({"cases": cases, "rows": done}, indent=1))
 

@@ -30,6 +30,12 @@ Bars = Annotated[
         help="Draw how many times faster fgenv is, as bars (.png, .svg, .pdf).",
     ),
 ]
+Shares = Annotated[
+    Path | None,
+    typer.Option(
+        "--plot", dir_okay=False, help="Draw the shares with 95 % intervals (.png, .svg, .pdf)."
+    ),
+]
 Out = Annotated[
     Path,
     typer.Option("--out", file_okay=False, help="Folder for the files written; made if missing."),
