@@ -59,8 +59,10 @@ def policies(
         console.print("success: of episodes, with its 95 % interval; collide, late: of robots")
         console.print("* seconds more than straight, where all policies of the set succeed")
         if plot is not None and done:
-            names = dict.fromkeys(r["set"] for r in done)
-            found = {n: {r["policy"]: r["success"] for r in done if r["set"] == n} for n in names}
+            found: dict[str, dict[str, Any]] = {}
+            for r in done:  # all that come along in one colour, and all that are filtered
+                kind = r["policy"].rpartition(":")[0] or r["policy"]
+                found.setdefault(r["set"], {})[kind] = r["success"]
             shares.draw(found, "success, of episodes", plot)
         if as_json:
             typer.echo(json.dumps({"cases": cases, "rows": done}, indent=1))
