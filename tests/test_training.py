@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -178,6 +179,16 @@ def test_an_older_policy_in_the_folder_is_not_its_own(
         assert "written" not in told.out
         assert "before the first evaluation" in told.out + told.err
     assert json.loads(told.out)["policy"] is None
+
+
+def test_what_begins_anew_is_not_resumed_from_what_was_there(folder: Path, tmp_path: Path) -> None:
+    there = tmp_path / "there"
+    shutil.copytree(folder, there)
+    wanted = Wanted("swap", SWAP, steps=2_000, every=1_000)
+    assert Training(wanted, there, resume=True).steps > 0
+    assert Training(wanted, there).steps == 0  # interrupted before its first evaluation
+    with pytest.raises(ValueError, match="nothing to go on with"):
+        Training(wanted, there, resume=True)
 
 
 @pytest.mark.parametrize("suffix", [".pkl", ".json"])
