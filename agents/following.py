@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from fgenv import _core
-from fgenv.envs.simulator import Floats
+from fgenv.envs import View
+from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Car, Drive, Holonomic, MobileManipulator, Robot
 from fgenv.robots.limits import reaches
 
@@ -49,3 +50,28 @@ def followed(robot: Robot, yaw: Floats, v: Floats, dt: float) -> Floats:
     return np.stack(
         [np.clip((x - m) / h, -1.0, 1.0) for x, (m, h) in zip(asked, halves, strict=True)], axis=1
     )
+
+
+def targets(view: View, observations: Rows) -> Floats:
+    """Where robots go next, (worlds, robots, nq): planar ones to their path hints, others to goals.
+
+    Planar ones look where they go, until it is time to turn as the goal wants: what they see and
+    ask for is then in a frame with their way ahead.
+    """
+    q, found, left = view.configurations, view.goals, view.remaining
+    for i, (robot, parts) in enumerate(zip(view.robots, view.layouts, strict=True)):
+        if robot.base != "planar":
+            continue
+        hint = next((part.slice for part in parts if part.name == "path_hint"), None)
+        if hint is not None:
+            base = robot.forward(q[:, i, : robot.nq], 0)
+            x, y = np.moveaxis(observations[:, i, hint].astype(np.float64), -1, 0)
+            for k in range(2):
+                found[:, i, k] = base[:, k, 0] * x + base[:, k, 1] * y + base[:, k, 3]
+        way = found[:, i, :2] - q[:, i, :2]
+        yaw = [_core.arc_tangent(y, x) for x, y in way.tolist()]
+        turn = np.abs(np.remainder(found[:, i, 2] - q[:, i, 2] + math.pi, 2 * math.pi) - math.pi)
+        seconds = turn / robot.actions[-1].high
+        late = seconds * robot.actions[0].high >= left[:, i]
+        found[:, i, 2] = np.where(late, found[:, i, 2], yaw)
+    return found

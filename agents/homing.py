@@ -6,19 +6,33 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
-from fgenv.agents.base_action import BaseAction
+from fgenv.agents.base_action import Acting, BaseAction
 from fgenv.agents.sb3 import FleetVecEnv
 from fgenv.envs import View
+from fgenv.envs.readings import MOVING
 
 
 class HomingVecEnv(FleetVecEnv):
-    """A `FleetVecEnv` whose actions a `BaseAction` makes of those that are asked for."""
+    """A `FleetVecEnv` whose actions a `BaseAction` makes of those that are asked for.
+
+    Attributes:
+        base: how.
+        moved: which rows were on the way when the last step began, (rows,) bool.
+    """
 
     base = BaseAction()
+    moved: NDArray[np.bool_]
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Which rows are on the way, (rows,)."""
+        return np.asarray(self.simulator.status == MOVING).reshape(-1)
 
     def reset(self) -> NDArray[np.float32]:
         """See `FleetVecEnv`."""
         self._seen = super().reset()
+        self._acting = Acting(self.base)
+        self._acting.reset(View(self.simulator))
         return self._seen
 
     def step_wait(self) -> VecEnvStepReturn:
@@ -26,7 +40,8 @@ class HomingVecEnv(FleetVecEnv):
         worlds, robots = self.simulator.n_worlds, self.simulator.n_robots
         asked = self._actions.reshape(worlds, robots, -1)
         seen = self._seen.reshape(worlds, robots, -1)
-        made = self.base.actions(asked, View(self.simulator), seen)
+        self.moved = self.moving
+        made = self._acting.actions(asked, seen)
         self._actions = made.reshape(self.num_envs, -1)
         rows, rewards, dones, infos = super().step_wait()
         self._seen = np.asarray(rows)

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
-from fgenv.agents.sb3 import FleetVecEnv
+from fgenv.agents.homing import HomingVecEnv
 
 
 class MixedVecEnv(VecEnv):
-    """Rows of `FleetVecEnv`s one after the other: scenarios of few and of many robots, say.
+    """Rows of `HomingVecEnv`s one after the other: scenarios of few and of many robots, say.
 
     The space of observations has no bounds, since those of the parts may differ.
 
@@ -26,7 +26,7 @@ class MixedVecEnv(VecEnv):
         ValueError: they are not.
     """
 
-    def __init__(self, parts: Sequence[FleetVecEnv]) -> None:
+    def __init__(self, parts: Sequence[HomingVecEnv]) -> None:
         self.parts = tuple(parts)
         first = self.parts[0]
         for part in self.parts:
@@ -55,18 +55,28 @@ class MixedVecEnv(VecEnv):
             part.step_async(own)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Step with actions (rows, size); see `FleetVecEnv`."""
+        """Step with actions (rows, size); see `HomingVecEnv`."""
         rows, rewards, dones, infos = zip(*(part.step_wait() for part in self.parts), strict=True)
         told = [info for part in infos for info in part]
         return np.concatenate(rows), np.concatenate(rewards), np.concatenate(dones), told
 
+    @property
+    def moved(self) -> NDArray[np.bool_]:
+        """Which rows were on the way when the last step began, (rows,)."""
+        return np.concatenate([part.moved for part in self.parts])
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Which rows are on the way, (rows,)."""
+        return np.concatenate([part.moving for part in self.parts])
+
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Of each row; see `FleetVecEnv`."""
+        """Of each row; see `HomingVecEnv`."""
         every = [value for part in self.parts for value in part.get_attr(attr_name)]
         return [every[i] for i in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set it for all rows; see `FleetVecEnv`."""
+        """Set it for all rows; see `HomingVecEnv`."""
         for part in self.parts:
             part.set_attr(attr_name, value, indices)
 

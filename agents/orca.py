@@ -9,13 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv import _core
-from fgenv.agents.following import base_of, enclosing, followed
+from fgenv.agents.following import base_of, enclosing, followed, targets
 from fgenv.agents.rays import Lidar
 from fgenv.agents.seeing import Seeing
-from fgenv.envs import View
+from fgenv.envs import Observation, View
 from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Holonomic, Robot
 
+GUIDED = Observation(
+    path_hint=True, path="shortest", look_ahead=0.4, rays=72, lidar_range=2.0, pad=True
+)
 NEARLY = 0.05  # m: who is so near to its goal goes there as `goto` does
 
 
@@ -53,6 +56,13 @@ class Orca(Seeing):
         self.horizon, self.wall_horizon, self.range = horizon, wall_horizon, range
         self.margin, self.slack = margin, slack
 
+    @classmethod
+    def guided(cls) -> Orca:
+        """One that goes along the shortest path; margins were chosen on `random`."""
+        made = cls(margin=0.03, slack=0.02)
+        made.observation = GUIDED
+        return made
+
     def reset(self, view: View) -> None:
         """Episodes begin.
 
@@ -73,9 +83,21 @@ class Orca(Seeing):
 
     def act(self, observations: Rows) -> Floats:
         """Actions (worlds, robots, size)."""
+        return self.toward(targets(self.view, observations), observations)
+
+    def toward(self, points: Floats, observations: Rows, more: Floats | None = None) -> Floats:
+        """Actions (worlds, robots, size) that avoid others on the way to points.
+
+        Args:
+            points: configurations, (worlds, robots, nq).
+            more: ahead and to the left, in the robot's own frame, of the speed: is added to the
+                velocity that it wants, (worlds, robots, 2).
+        """
         view = self.view
         q, goals = view.configurations, view.goals
-        wanted = self._straight(q, goals)
+        wanted = self._straight(q, points)
+        if more is not None:
+            wanted = self._shifted(wanted, q, more)
         found = _core.orca(
             self._discs(q),
             wanted,
@@ -88,13 +110,13 @@ class Orca(Seeing):
             None,
         )
         if view.actions == "way_points":
-            return view.toward(self._ahead(q, goals, found))
-        actions = view.toward(goals)  # of joints, and of who is there or nearly
+            return view.toward(self._ahead(q, found))
+        actions = view.toward(points)  # of joints, of turns, and of who is there or nearly
         far = np.sqrt(((goals - q)[..., :2] ** 2).sum(axis=-1)) > NEARLY
         for i, robot in enumerate(view.robots):
             own = followed(robot, q[:, i, 2], found[:, i], view.dt)
-            n = own.shape[1]
-            actions[:, i, :n] = np.where(far[:, i, None], own, actions[:, i, :n])
+            n = 2 if isinstance(base_of(robot), Holonomic) else own.shape[1]
+            actions[:, i, :n] = np.where(far[:, i, None], own[:, :n], actions[:, i, :n])
         return actions
 
     def _radius(self, robot: Robot) -> float:
@@ -102,13 +124,22 @@ class Orca(Seeing):
         holonomic = isinstance(base_of(robot), Holonomic)
         return enclosing(robot) + (self.margin if holonomic else self.margin + self.slack)
 
-    def _straight(self, q: Floats, goals: Floats) -> Floats:
-        """Velocities straight to the goals, slower where that is within a step, m/s."""
-        to: Floats = goals[..., :2] - q[..., :2]
+    def _straight(self, q: Floats, points: Floats) -> Floats:
+        """Velocities straight to points, slower where the goal is within a step, m/s."""
+        to: Floats = points[..., :2] - q[..., :2]
         far = np.sqrt((to**2).sum(axis=-1))
-        rate = np.minimum(self._speeds, far / self.view.dt)
+        rate = np.minimum(self._speeds, self.view.remaining / self.view.dt)
         share: Floats = np.divide(rate, far, out=np.zeros_like(far), where=far > 0)[..., None]
         return to * share
+
+    def _shifted(self, wanted: Floats, q: Floats, more: Floats) -> Floats:
+        """Velocities and something more, at most as fast as the robot."""
+        sine, cosine = _core.sin_cos(q[..., 2])
+        x, y = np.moveaxis(more, -1, 0) * self._speeds
+        found: Floats = wanted + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+        speed = np.sqrt((found**2).sum(axis=-1))
+        found *= (self._speeds / np.maximum(speed, self._speeds))[..., None]
+        return found
 
     def _discs(self, q: Floats) -> Floats:
         """Rows for the native part, (worlds, robots, 6)."""
@@ -144,11 +175,11 @@ class Orca(Seeing):
                 by = at - q[:, None, j, :2]
                 at[(by**2).sum(axis=-1) < radii[:, j, None] ** 2] = np.nan
 
-    def _ahead(self, q: Floats, goals: Floats, v: Floats) -> Floats:
+    def _ahead(self, q: Floats, v: Floats) -> Floats:
         """Where to drive so that the velocity is what is wanted, (worlds, robots, nq)."""
         speed = np.sqrt((v**2).sum(axis=-1))
         far = speed * self.view.dt + speed**2 / (2 * self._rates)  # it slows down in time for that
-        ahead = goals.copy()
+        ahead = self.view.goals
         ahead[..., :2] = (
             q[..., :2]
             + v * np.divide(far, speed, out=np.zeros_like(far), where=speed > 0)[..., None]

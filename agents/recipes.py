@@ -47,11 +47,15 @@ class Recipe:
         actions: `drive` or `way_points`, see `Simulator`. Way points suit drives that cannot go
             sideways: who is to go there turns, then drives.
         near: metres from the goal at which `goto` takes over; 0: it never does.
-        residual: what a network's output counts beside that of `goto`, see `BaseAction`; 0: alone.
+        residual, orca, pace: what a network's output counts beside that of `goto`, see
+            `BaseAction`; 0: alone.
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
         n_steps: of each row between two updates; batch, epochs: of an update.
         learning_rate: at first; with `anneal` it falls to 0 at the end.
+        held: steps that the noise of exploration is held, a function of what is seen (A. Raffin et
+            al., "Smooth exploration for robotic reinforcement learning", 2021); 0: it is drawn
+            anew in each.
         hidden: widths of the network's layers.
     """
 
@@ -63,6 +67,8 @@ class Recipe:
     actions: str = "drive"
     near: float = 1.0
     residual: float = 0.0
+    orca: bool = False
+    pace: bool = False
     steps: int = 4_000_000
     rows: int = 256
     n_steps: int = 64
@@ -74,6 +80,7 @@ class Recipe:
     gae_lambda: float = 0.95
     entropy: float = 0.0
     log_std: float = -0.5
+    held: int = 0
     hidden: tuple[int, ...] = (64, 64)
     activation: str = "tanh"
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.agents.base_action import BaseAction
+from fgenv.agents.base_action import Acting, BaseAction
 from fgenv.agents.seeing import Seeing
 from fgenv.envs import Observation, View
 from fgenv.envs.simulator import Floats, Rows
@@ -43,7 +43,7 @@ class Sb3Policy(Seeing):
         said = path.with_suffix(".json")
         if said.exists():
             about |= beside(said, lambda: dict(json.loads(said.read_text(encoding="utf-8"))))
-        self._base = BaseAction(about.get("near", 0.0), about.get("residual", 0.0))
+        self._acting = Acting(BaseAction.of(about))
         self.actions: Any = about["actions"]
         if about["observation"] is not None:
             self.observation = Observation(**about["observation"])
@@ -72,6 +72,7 @@ class Sb3Policy(Seeing):
         (size,) = self._model.action_space.shape
         if size != view.action_size:
             raise ValueError(f"policy: gives actions of {size}, wanted {view.action_size}")
+        self._acting.reset(view)
 
     def act(self, observations: Rows) -> Floats:
         """Actions (worlds, robots, size)."""
@@ -80,7 +81,7 @@ class Sb3Policy(Seeing):
             rows = self._normal.normalize_obs(rows)
         found, _ = self._model.predict(rows, deterministic=True)
         asked = np.asarray(found, dtype=np.float64).reshape(*observations.shape[:2], -1)
-        return self._base.actions(asked, self.view, observations)
+        return self._acting.actions(asked, observations)
 
 
 def beside(path: Path, read: Callable[[], Any]) -> Any:

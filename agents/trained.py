@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from fgenv import _core
-from fgenv.agents.base_action import BaseAction
+from fgenv.agents.base_action import Acting, BaseAction
 from fgenv.agents.policy_file import PolicyError, PolicyFile
 from fgenv.agents.seeing import Seeing
 from fgenv.envs import Observation, View
 from fgenv.envs.observations import Part
 from fgenv.envs.simulator import Floats, Rows
-
-NEIGHBOUR = {True: 7, False: 11}  # numbers of one, where all bases are planar and else
 
 
 class Trained(Seeing):
@@ -29,13 +27,14 @@ class Trained(Seeing):
 
     def __init__(self, file: PolicyFile) -> None:
         self.file = file
-        self.observation = Observation(**file.about["observation"])
+        seen = self.observation = Observation(**file.about["observation"])
+        self._neighbour = {flat: seen.neighbour_size(flat) for flat in (True, False)}
         self.actions: str = file.about["actions"]
         kinds = [file.about["activation"]] * (len(file.layers) - 1) + ["none"]
         layers = zip(file.layers, kinds, strict=True)
         self._network = _core.Network([(w, b, kind) for (w, b), kind in layers])
         self._clip = float(file.about["clip"])
-        self._base = BaseAction(file.about["near"], file.about.get("residual", 0.0))
+        self._acting = Acting(BaseAction.of(file.about))
 
     @classmethod
     def load(cls, path: str | Path) -> Trained:
@@ -54,9 +53,14 @@ class Trained(Seeing):
             PolicyError: the robots observe or act otherwise than those that it was trained on.
         """
         super().reset(view)
+        self._acting.reset(view)
         about = self.file.about
         wanted = [(name, size) for name, size in about["parts"]]
-        self._slices = [fitted(wanted, parts, view, i) for i, parts in enumerate(view.layouts)]
+        flat = all(robot.base == "planar" for robot in view.robots)
+        others = self._neighbour[flat] * (view.n_robots - 1)
+        self._slices = [
+            fitted(wanted, parts, view.names[i], others) for i, parts in enumerate(view.layouts)
+        ]
         for i, robot in enumerate(view.robots):
             names = [action.name for action in robot.actions]
             known = [name for name, *_ in about["action_names"]]
@@ -74,33 +78,34 @@ class Trained(Seeing):
             for into, of in slices:
                 rows[:, i, into] = observations[:, i, of]
         seen = np.clip((rows - file.mean) / file.std, -self._clip, self._clip)
-        return self._base.actions(self._network.run(seen, None), self.view, observations)
+        return self._acting.actions(self._network.run(seen, None), observations)
 
 
 def fitted(
-    wanted: Sequence[tuple[str, int]], parts: Sequence[Part], view: View, i: int
+    wanted: Sequence[tuple[str, int]], parts: Sequence[Part], robot: str, others: int
 ) -> list[tuple[slice, slice]]:
     """Where a robot's row goes in the network's: pairs of slices.
+
+    Args:
+        others: numbers of all other robots there are.
 
     Raises:
         PolicyError: it does not fit.
     """
     there = {part.name: part.slice for part in parts}
     sizes = [(name, part.stop - part.start) for name, part in there.items()]
-    one = NEIGHBOUR[all(robot.base == "planar" for robot in view.robots)]
-    everybody = one * (view.n_robots - 1)
     found, begin = [], 0
     for name, size in wanted:
         of = there.pop(name, slice(0, 0))
         n = of.stop - of.start
-        enough = n >= size or n == everybody  # more than it wants, or all that there are
+        enough = n >= size or n == others  # more than it wants, or all that there are
         if not enough if name == "neighbours" else n != size:
-            raise unfit(wanted, sizes, view.names[i])
+            raise unfit(wanted, sizes, robot)
         n = min(n, size)
         found.append((slice(begin, begin + n), slice(of.start, of.start + n)))
         begin += size
     if there.keys() - {"neighbours"}:
-        raise unfit(wanted, sizes, view.names[i])
+        raise unfit(wanted, sizes, robot)
     return found
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ from fgenv.agents.homing import HomingVecEnv
 from fgenv.agents.mixed import MixedVecEnv
 from fgenv.agents.policy_file import PolicyFile
 from fgenv.agents.recipes import Recipe, Stage
+from fgenv.agents.rollouts import MovingRollouts
 from fgenv.agents.trained import Trained
 from fgenv.envs import Reward
 from fgenv.scenarios import FrozenSet, Scenario, frozen
@@ -173,7 +174,8 @@ class Training:
         self._save_model()
         self.normal.save(str(self.folder / "model.pkl"))
         about = self.export().about
-        told = {name: about[name] for name in ("observation", "actions", "near", "residual")}
+        names = ("observation", "actions", *(of.name for of in fields(BaseAction)))
+        told = {name: about[name] for name in names}
         (self.folder / "model.json").write_text(json.dumps(told), encoding="utf-8")
         state = {**self.settings, "steps": self.steps, "best": self.best and asdict(self.best)}
         half = self.folder / ".training.json.part"
@@ -226,6 +228,7 @@ class Training:
             self.model.batch_size = batch_of(self.wanted.recipe, self.normal.num_envs)
             set_random_seed(seed)
         self.model.lr_schedule = self._rate
+        self.model.rollout_buffer.envs = envs
         self.normal.seed(seed)
         kinds = ["csv", *(["tensorboard"] if getattr(logger, "SummaryWriter", None) else [])]
         self.model.set_logger(configure(str(self.folder / "log" / f"{number}-{self.steps}"), kinds))
@@ -264,7 +267,7 @@ class Training:
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
-        envs.base = BaseAction(recipe.near, recipe.residual)
+        envs.base = BaseAction(recipe.near, recipe.residual, recipe.orca, recipe.pace)
         return envs
 
 
@@ -301,7 +304,10 @@ def model_of(recipe: Recipe, envs: Any, seed: int) -> PPO:
         gae_lambda=recipe.gae_lambda,
         ent_coef=recipe.entropy,
         seed=seed,
+        use_sde=recipe.held > 0,
+        sde_sample_freq=recipe.held or -1,
         device="cpu",
+        rollout_buffer_class=MovingRollouts,
         policy_kwargs={
             "net_arch": list(recipe.hidden),
             "activation_fn": ACTIVATIONS[recipe.activation],

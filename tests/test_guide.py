@@ -13,43 +13,59 @@ from scipy.sparse.csgraph import dijkstra
 
 from fgenv import _core
 from fgenv.envs import Observation, Simulator
+from fgenv.envs.readings import MOVING
+from fgenv.scenarios import Scenario
 
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
 
 
 def graph(prices):
     """The steps of a grid, as scipy has graphs."""
-    rows, columns = prices.shape
+    layers, rows, columns = prices.shape
+    number = np.arange(prices.size).reshape(prices.shape)
     tails, heads, costs = [], [], []
-    for r, c in np.argwhere(np.isfinite(prices)).tolist():
-        for dr, dc in ((a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b):
+
+    def step(here, there, length):
+        tails.append(number[here])
+        heads.append(number[there])
+        costs.append(prices[there] * length)
+
+    for k, r, c in np.argwhere(np.isfinite(prices)).tolist():
+        for heading in range(8) if layers == 1 else [k]:
+            dr, dc = (round(math.sqrt(2) * f(heading * math.pi / 4)) for f in (math.cos, math.sin))
             beside = [(r + dr, c + dc), (r + dr, c), (r, c + dc)]
             inside = all(0 <= i < rows and 0 <= j < columns for i, j in beside)
-            if inside and all(math.isfinite(prices[place]) for place in beside):
-                tails.append(r * columns + c)
-                heads.append((r + dr) * columns + c + dc)
-                costs.append(prices[r + dr, c + dc] * math.hypot(dr, dc))
-    n = rows * columns
-    return csr_matrix((costs, (tails, heads)), (n, n))
+            if inside and all(math.isfinite(prices[k, i, j]) for i, j in beside):
+                step((k, r, c), (k, r + dr, c + dc), math.hypot(dr, dc))
+        for turn in (-1, 1) if layers > 1 else ():
+            if math.isfinite(prices[(k + turn) % 8, r, c]):
+                step((k, r, c), ((k + turn) % 8, r, c), 1.0)
+    return csr_matrix((costs, (tails, heads)), (prices.size, prices.size))
 
 
-@given(st.integers(0, 10**6), st.integers(1, 12), st.integers(1, 12), st.floats(0, 0.6))
-def test_a_way_costs_what_dijkstra_says(seed, rows, columns, walls):
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from([1, 8]),
+    st.integers(1, 12),
+    st.integers(1, 12),
+    st.floats(0, 0.6),
+)
+def test_a_way_costs_what_dijkstra_says(seed, layers, rows, columns, walls):
     rng = np.random.default_rng(seed)
-    prices = rng.choice([1.0, 2.0, 3.5], (rows, columns))
-    prices[rng.random((rows, columns)) < walls] = math.inf
-    start, goal = rng.integers(0, (rows, columns)), rng.integers(0, (rows, columns))
+    shape = layers, rows, columns
+    prices = rng.choice([1.0, 2.0, 3.5], shape)
+    prices[rng.random(shape) < walls] = math.inf
+    start, goal = rng.integers(0, shape), rng.integers(0, shape)
     prices[tuple(start)] = prices[tuple(goal)] = 1.0
     way = _core.cheapest_way(prices, start, goal)
-    steps = graph(prices)
-    best = dijkstra(steps, indices=start[0] * columns + start[1])[goal[0] * columns + goal[1]]
+    steps, number = graph(prices), np.arange(prices.size).reshape(shape)
+    best = dijkstra(steps, indices=number[tuple(start)])[number[tuple(goal)]]
     if not len(way):
         assert math.isinf(best)
         return
     assert (way[0] == start).all()
     assert (way[-1] == goal).all()
-    cells = way @ [columns, 1]
-    each = [steps[a, b] for a, b in itertools.pairwise(cells)]
+    each = [steps[a, b] for a, b in itertools.pairwise(number[tuple(way.T)])]
     assert all(cost > 0 for cost in each)  # only steps that there are
     assert math.fsum(each) == pytest.approx(best, rel=1e-12)
 
@@ -57,16 +73,18 @@ def test_a_way_costs_what_dijkstra_says(seed, rows, columns, walls):
 @pytest.mark.parametrize(
     ("prices", "start", "told"),
     [
-        ([1.0, 2.0], (0, 0), "prices: shape"),
-        ([[0.5]], (0, 0), r"prices\[0, 0\] is 0.5, wanted 1 or more"),
-        ([[math.nan]], (0, 0), "wanted 1 or more"),
-        ([[1.0]], (0, 1), r"start: \[0, 1\] is outside"),
-        ([[1.0]], (0,), "start: shape"),
+        ([[1.0, 2.0]], (0, 0, 0), "prices: shape"),
+        ([[[1.0]]] * 2, (0, 0, 0), r"prices: shape \(2, 1, 1\), wanted \(1 or 8"),
+        ([[[0.5]]], (0, 0, 0), r"prices\[0, 0, 0\] is 0.5, wanted 1 or more"),
+        ([[[math.nan]]], (0, 0, 0), "wanted 1 or more"),
+        ([[[1.0]]], (0, 0, 1), r"start\[2\] is 1, outside"),
+        ([[[1.0]]], (0, -1, 0), r"start\[1\] is -1, outside"),
+        ([[[1.0]]], (0, 0), "start: shape"),
     ],
 )
 def test_what_is_no_grid_is_told(prices, start, told):
     with pytest.raises(ValueError, match=told):
-        _core.cheapest_way(prices, start, (0, 0))
+        _core.cheapest_way(prices, start, (0, 0, 0))
 
 
 @pytest.mark.parametrize("name", ["random", "doorway"])
@@ -100,6 +118,39 @@ def test_the_hint_of_a_doorway_is_the_door_and_not_the_wall():
     assert x > 0
     assert y < -0.1
     assert math.hypot(x, y) == pytest.approx(0.5, abs=0.1)
+
+
+def test_who_is_long_looks_along_its_path():
+    # A car of 2.5 m turns on the spot in the middle of a road of 4 m alone.
+    simulator = Simulator("intersection", 5, cases=5, case_order="seed", n=4, observation=HINT)
+    simulator.reset(seed=0)
+    alone = simulator.built.world(robots=False)
+    me = simulator.built.add_robot(alone, 0, simulator.configurations[0, 0])
+    for world, i in itertools.product(range(5), range(4)):
+        path = simulator._guide.path(world, i)
+        ahead = np.diff(path[:, :2], axis=0)
+        path[:-1, 2] = np.arctan2(ahead[:, 1], ahead[:, 0])
+        for a, b in itertools.pairwise(path):
+            q = np.linspace(a, [*b[:2], a[2]], 20)
+            assert np.mean(alone.collides(me, q)) < 0.1
+
+
+def test_paths_lead_around_who_has_parked():
+    scenario = Scenario.load("random", n=2, fill=0.0, drive="holonomic")
+    simulator = Simulator(scenario, observation=HINT, autoreset=False)
+    simulator.reset()
+    simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 0.0, 0.0])
+    simulator.place(0, 1, [0.0, 0.5, 0.0], [0.0, 0.0, 0.0])
+    hint = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
+    assert np.allclose(simulator.observe()[0, 0, hint], [0.5, 0.0])
+    while simulator.status[0, 1] == MOVING:
+        action = simulator.toward(simulator.goals)
+        action[0, 0] = 0.0
+        rows = simulator.step(action).observations
+    assert abs(rows[0, 0, hint][1]) > 0.01  # it was on a straight line before
+    assert (rows == simulator.observe()).all()
+    beside = simulator._guide.path(0, 0)[1:-1]
+    assert np.hypot(beside[:, 0], beside[:, 1] - simulator.configurations[0, 1, 1]).min() > 0.6
 
 
 def test_a_guided_episode_goes_on_alike_in_copies_and_states():

@@ -2,6 +2,7 @@
 by independent computation."""
 
 import copy
+import dataclasses
 import pickle
 
 import numpy as np
@@ -323,6 +324,30 @@ def test_goal_velocity_and_neighbours_are_in_the_own_frame():
         np.testing.assert_allclose(rows[i, parts["neighbours"]], expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("name", ["swap", "forest"])
+def test_neighbours_fade_with_the_distance_between_circles(name):
+    plain = Observation(goal=False, velocity=False, lidar=False, neighbours=4)
+    fading = dataclasses.replace(plain, neighbour_range=2.0)
+    whole, faded = (Simulator(name, n=5, observation=seen) for seen in (plain, fading))
+    rng = np.random.default_rng(0)
+    actions = rng.uniform(-1, 1, (40, 1, 5, whole.action_size))
+    for simulator in (whole, faded):
+        simulator.reset(seed=3)
+    shares, axes = [], 2 if name == "swap" else 3
+    radii = [np.linalg.norm(r.parts[0].shape.vertices, axis=1).max() for r in whole.robots]
+    for action in actions:
+        rows = [simulator.step(action).observations[0] for simulator in (whole, faded)]
+        told = [row.reshape(5, 4, -1).astype(float) for row in rows]
+        far = np.linalg.norm(told[0][..., :axes], axis=-1)
+        share = np.maximum(0.0, 1.0 - (far - told[0][..., -1] - np.array(radii)[:, None]) / 2.0)
+        shares.append(share)
+        expected = told[0].copy()
+        expected[..., :axes] /= far[..., None]
+        np.testing.assert_allclose(told[1], expected * share[..., None], atol=1e-5)
+    assert (np.array(shares) == 0).any()
+    assert (np.array(shares) > 0).any()
+
+
 def test_the_path_hint_is_a_point_ahead_on_the_path():
     seen = Observation(
         goal=False, velocity=False, neighbours=0, lidar=False, path_hint=True, look_ahead=2.0
@@ -377,6 +402,20 @@ def test_rewards_are_sums_of_terms():
     step = go_until_there(simulator)
     assert step.rewards[0, 0] > 6.0
     assert simulator.step(simulator.toward(simulator.goals)).rewards[0, 0] == 0.0
+
+
+@pytest.mark.parametrize(("goal", "reward"), [((-2.0, 5.0), -5.0), ((-4.0, 0.75), -1.0)])
+def test_what_is_no_robot_may_cost_more(goal, reward):
+    scenario = arena(2, bodies=[{"position": (-2.0, 5.0, 0.0)}])  # the wall's y: 3 to 7 m
+    weights = Reward({"collision": -1.0, "obstacle": -4.0})
+    simulator = Simulator(scenario, observation=QUIET, reward=weights, autoreset=False)
+    simulator.reset()
+    simulator.place(0, 0, [-5.0, goal[1], 0.0], [*goal, 0.0])
+    action = still(simulator)
+    action[0, 0, 0] = 1.0  # along x, into the wall or the other robot
+    step = step_until(simulator, action, lambda: simulator.hits[0, 0] >= 0)
+    assert (simulator.hit_robots[0, 0] >= 0) == (reward == -1.0)
+    assert step.rewards.tolist() == [[reward, 0.0]]
 
 
 def test_own_terms_see_the_batch_before_worlds_begin_anew():
@@ -529,6 +568,7 @@ UNBOUNDED = arena(2).replace(workspace=None)
         (lambda: Reward({"glory": 1.0}), "'glory' is no term, wanted one of progress"),
         (lambda: Reward({"time": np.nan}), "time: nan, wanted a finite weight"),
         (lambda: Observation(neighbours=-1), "neighbours: -1, wanted 0 to 1000"),
+        (lambda: Observation(neighbour_range=0.0), "neighbour_range: 0.0, wanted over 0"),
         (lambda: Observation(rays=0), "rays: 0, wanted 1 to 100000"),
     ],
 )  # fmt: skip

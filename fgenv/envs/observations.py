@@ -54,6 +54,11 @@ class Observation:
         goal, velocity, configuration, path_hint, lidar: on or off. The lidar is that of the
             scenario's model; a model without one has no such part.
         neighbours: how many of the nearest robots.
+        neighbour_range: metres between circles that enclose robots, over which neighbours fade: all
+            numbers of one are times 1 where circles touch, 0 where they are so far apart, and
+            its position is a direction. None: as they are. A network tells near from far better so.
+        priority: tell of each neighbour whether it comes before the robot in the scenario (1) or
+            after it (-1), as a last number: who is to go first where only one can.
         pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
             long for any number of them.
         path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
@@ -69,6 +74,8 @@ class Observation:
     path_hint: bool = False
     lidar: bool = True
     neighbours: int = 4
+    neighbour_range: float | None = None
+    priority: bool = False
     look_ahead: float = 1.0
     rays: int | None = None
     lidar_range: float = 5.0
@@ -76,7 +83,7 @@ class Observation:
     path: str = "straight"
 
     def __post_init__(self) -> None:
-        for name in ("goal", "velocity", "configuration", "path_hint", "lidar", "pad"):
+        for name in ("goal", "velocity", "configuration", "path_hint", "lidar", "pad", "priority"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
         if self.path not in PATHS:
@@ -86,9 +93,14 @@ class Observation:
             raise ValueError(f"observation: neighbours: {self.neighbours!r}, wanted 0 to 1000")
         if self.rays is not None and not (isinstance(self.rays, int) and 1 <= self.rays <= 100_000):
             raise ValueError(f"observation: rays: {self.rays!r}, wanted 1 to 100000, or None")
-        for name in ("look_ahead", "lidar_range"):
-            if not 0 < getattr(self, name) < math.inf:
+        for name in ("look_ahead", "lidar_range", "neighbour_range"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < math.inf:
                 raise ValueError(f"observation: {name}: {getattr(self, name)!r}, wanted over 0")
+
+    def neighbour_size(self, flat: bool) -> int:
+        """Numbers of one neighbour; flat: all bases are planar."""
+        return (7 if flat else 11) + self.priority
 
 
 def parts_of(slices: list[tuple[str, int, int]], robot: Robot) -> tuple[Part, ...]:

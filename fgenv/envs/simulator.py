@@ -24,8 +24,8 @@ from . import assembly
 from .cases import Cases, scenario_of
 from .guide import Guide
 from .observations import Observation
-from .readings import MOVING, Readings
-from .rewards import Reward
+from .readings import MOVING, PARKED, Readings
+from .rewards import TERMS, Reward
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.float32]
@@ -153,7 +153,6 @@ class Simulator(Readings):
     @property
     def _settings(self) -> dict[str, Any]:
         scenario, seen = self.scenario, self.observation
-        weights = dict.fromkeys(("progress", "arrival", "collision", "time", "effort"), 0.0)
         return {
             "dt": scenario.time_step,
             "horizon": self.horizon,
@@ -172,9 +171,10 @@ class Simulator(Readings):
             "path_hint": seen.path_hint,
             "lidar": seen.lidar,
             "neighbours": seen.neighbours if seen.pad else min(seen.neighbours, self.n_robots - 1),
+            "priority": seen.priority,
+            "neighbour_range": float(seen.neighbour_range or 0.0),
             "look_ahead": float(seen.look_ahead),
-            **weights,
-            "closeness": 0.0,
+            **dict.fromkeys(TERMS, 0.0),
             **{name: float(weight) for name, weight in self.reward.weights.items()},
         }
 
@@ -221,6 +221,7 @@ class Simulator(Readings):
             arrived_before = there & (self.arrival_steps < self.steps[:, None])
             rewards = rewards + np.where(arrived_before, 0.0, own)
         self._over = terminated | truncated
+        self._guide_around_parked(rows)
         self.final_observations = None
         if self.autoreset and self._over.any():
             self.final_observations = rows.copy()
@@ -240,6 +241,18 @@ class Simulator(Readings):
             return
         for world, robot in which:
             self._core.set_path(world, robot, self._guide.path(world, robot))
+
+    def _guide_around_parked(self, rows: Rows) -> None:
+        """Where somebody parked in this step the paths of others lead around it from here."""
+        if self._guide is None:
+            return
+        status = self.status
+        parked = (status == PARKED) & (self.arrival_steps == self.steps[:, None])
+        which = np.flatnonzero(parked.any(axis=1) & ~self._over)
+        if len(which):
+            moving = np.argwhere(status[which] == MOVING)
+            self._guided((int(which[k]), int(i)) for k, i in moving)
+            rows[which] = self._core.observe(which, self.threads)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Give a robot a path (K, nq): its mask is set, and the path hint follows it."""

@@ -90,7 +90,8 @@ def bounds(simulator: Simulator, i: int, part: Part) -> Bounds:
     high = neighbours(simulator, i, size) if part.name == "neighbours" else ways(simulator, i, part)
     low = -high
     if part.name == "neighbours":
-        low[6 if flat(simulator) else 10 :: 7 if flat(simulator) else 11] = 0.0  # radii
+        one = simulator.observation.neighbour_size(flat(simulator))
+        low[6 if flat(simulator) else 10 :: one] = 0.0  # radii
     return low, high
 
 
@@ -127,8 +128,11 @@ def neighbours(simulator: Simulator, i: int, size: int) -> Floats:
     far, fast = extent(simulator), speed(simulator, i) + max(speed(simulator, j) for j in others)
     radius = max(reaches(robot)[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
-    one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius]
-    return np.tile(one, size // len(one))
+    seen, closest = simulator.observation, 1.0
+    if seen.neighbour_range is not None:  # a direction, and all times the closeness
+        far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbour_range
+    one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[1.0] * seen.priority]
+    return np.tile(one, size // len(one)) * closest
 
 
 def flat(simulator: Simulator) -> bool:

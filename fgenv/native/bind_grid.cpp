@@ -15,30 +15,36 @@ using namespace nb::literals;
 
 int64_t cell_of(nb::handle value, const char* name, const Grid& grid) {
     const Array<int64_t> at = indices(value, name);
-    if (at.dims != Dims{2}) fail(std::string(name) + ": shape " + to_string(at.dims) + ", wanted (2,), row and column");
-    const int64_t row = at.data()[0], column = at.data()[1];
-    if (row < 0 || row >= grid.rows || column < 0 || column >= grid.columns)
-        fail(std::string(name) + ": [" + std::to_string(row) + ", " + std::to_string(column) + "] is outside of the grid");
-    return row * grid.columns + column;
+    if (at.dims != Dims{3}) fail(std::string(name) + ": shape " + to_string(at.dims) + ", wanted (3,): layer, row, column");
+    const int64_t within[] = {grid.layers, grid.rows, grid.columns};
+    int64_t cell = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int64_t i = at.data()[k];
+        if (i < 0 || i >= within[k]) fail(std::string(name) + "[" + std::to_string(k) + "] is " + std::to_string(i) + ", outside of the grid");
+        cell = cell * within[k] + i;
+    }
+    return cell;
 }
 
 nb::object way(nb::handle prices, nb::handle from, nb::handle to) {
     const Array<double> p = doubles(prices, "prices");
-    if (p.dims.size() != 2) fail("prices: shape " + to_string(p.dims) + ", wanted (rows, columns)");
+    if (p.dims.size() != 3 || (p.dims[0] != 1 && p.dims[0] != headings))
+        fail("prices: shape " + to_string(p.dims) + ", wanted (1 or 8, rows, columns)");
     for (size_t i = 0; i < p.view.size(); ++i)
         if (!(p.data()[i] >= 1))
             fail("prices" + index_text(p.dims, static_cast<int64_t>(i)) + " is " + number(p.data()[i]) + ", wanted 1 or more");
-    const Grid grid{p.dims[0], p.dims[1], p.data()};
+    const Grid grid{p.dims[0], p.dims[1], p.dims[2], p.data()};
     const int64_t begin = cell_of(from, "start", grid), end = cell_of(to, "goal", grid);
     std::vector<int64_t> cells;
     {
         nb::gil_scoped_release release;
         cells = cheapest_way(grid, begin, end);
     }
-    Output<int64_t> out = make_output<int64_t>({static_cast<int64_t>(cells.size())}, {2});
+    Output<int64_t> out = make_output<int64_t>({static_cast<int64_t>(cells.size())}, {3});
     for (size_t i = 0; i < cells.size(); ++i) {
-        out.data[2 * i] = cells[i] / grid.columns;
-        out.data[2 * i + 1] = cells[i] % grid.columns;
+        out.data[3 * i] = cells[i] / (grid.rows * grid.columns);
+        out.data[3 * i + 1] = cells[i] / grid.columns % grid.rows;
+        out.data[3 * i + 2] = cells[i] % grid.columns;
     }
     return nb::cast(out.array);
 }

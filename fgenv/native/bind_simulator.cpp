@@ -88,10 +88,14 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("path_hint", s.senses.path_hint);
     get("lidar", s.senses.lidar);
     get("neighbours", s.senses.neighbours);
+    get("priority", s.senses.priority);
+    get("neighbour_range", s.senses.neighbour_range);
     get("look_ahead", s.senses.look_ahead);
     get("progress", s.weights.progress);
     get("arrival", s.weights.arrival);
     get("collision", s.weights.collision);
+    get("crash", s.weights.crash);
+    get("obstacle", s.weights.obstacle);
     get("time", s.weights.time);
     get("effort", s.weights.effort);
     get("closeness", s.weights.closeness);

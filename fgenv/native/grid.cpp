@@ -15,38 +15,55 @@ double octile(int64_t rows, int64_t columns) {
     return longer - shorter + diagonal * shorter;
 }
 
+// Where heading k looks: rows and columns.
+constexpr int64_t ahead[headings][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+
 }  // namespace
 
 std::vector<int64_t> cheapest_way(const Grid& grid, int64_t from, int64_t to) {
-    const int64_t width = grid.columns, n = grid.rows * width;
-    const auto open = [&](int64_t row, int64_t column) {
-        return row >= 0 && row < grid.rows && column >= 0 && column < width && std::isfinite(grid.price[row * width + column]);
+    const int64_t width = grid.columns, layer = grid.rows * width, n = grid.layers * layer;
+    const auto open = [&](int64_t first, int64_t row, int64_t column) {
+        return row >= 0 && row < grid.rows && column >= 0 && column < width &&
+               std::isfinite(grid.price[first + row * width + column]);
     };
     const auto left = [&](int64_t cell) {
-        return octile(std::abs(cell / width - to / width), std::abs(cell % width - to % width));
+        const int64_t a = cell % layer, b = to % layer;
+        return octile(std::abs(a / width - b / width), std::abs(a % width - b % width));
     };
     std::vector<double> cost(n, HUGE_VAL);
     std::vector<int64_t> before(n, -1);
     std::vector<bool> done(n);
     using Entry = std::pair<double, int64_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    const auto reach = [&](int64_t cell, int64_t next, double length) {
+        const double there = cost[cell] + grid.price[next] * length;
+        if (there >= cost[next]) return;
+        cost[next] = there;
+        before[next] = cell;
+        queue.emplace(there + left(next), next);
+    };
     cost[from] = 0;
     queue.emplace(left(from), from);
     while (!queue.empty() && !done[to]) {
-        const int64_t cell = queue.top().second, row = cell / width, column = cell % width;
+        const int64_t cell = queue.top().second;
         queue.pop();
         if (done[cell]) continue;
         done[cell] = true;
-        for (int64_t down = -1; down <= 1; ++down)
-            for (int64_t right = -1; right <= 1; ++right) {
-                if (!open(row + down, column + right) || !open(row + down, column) || !open(row, column + right)) continue;
-                const int64_t next = cell + down * width + right;
-                const double there = cost[cell] + grid.price[next] * (down && right ? diagonal : 1);
-                if (there >= cost[next]) continue;
-                cost[next] = there;
-                before[next] = cell;
-                queue.emplace(there + left(next), next);
-            }
+        const int64_t heading = cell / layer, first = heading * layer, at = cell - first, row = at / width, column = at % width;
+        const auto step = [&](int64_t k) {
+            const auto [down, right] = ahead[k];
+            if (open(first, row + down, column + right) && open(first, row + down, column) && open(first, row, column + right))
+                reach(cell, cell + down * width + right, down && right ? diagonal : 1);
+        };
+        if (grid.layers == 1) {
+            for (int64_t k = 0; k < headings; ++k) step(k);
+            continue;
+        }
+        step(heading);
+        for (int64_t turn : {int64_t(1), headings - 1}) {
+            const int64_t next = (heading + turn) % headings * layer + at;
+            if (std::isfinite(grid.price[next])) reach(cell, next, 1);
+        }
     }
     std::vector<int64_t> way;
     if (!done[to]) return way;

@@ -39,7 +39,9 @@ struct Agent {
 struct Senses {
     bool goal = true, velocity = true, configuration = false, path_hint = false, lidar = true;
     int32_t neighbours = 0;
-    double look_ahead = 1;  // metres, or radians of joints, along the path
+    double neighbour_range = 0;  // metres over which neighbours fade; 0: they do not
+    bool priority = false;       // of neighbours is told
+    double look_ahead = 1;       // metres, or radians of joints, along the path
 };
 
 // What a reward is the sum of, times these.
@@ -47,6 +49,8 @@ struct Weights {
     double progress = 0;   // metres (radians of joints) nearer to the goal
     double arrival = 0;    // 1 once
     double collision = 0;  // 1 where the robot met something
+    double crash = 0;      // 1 where it did so for the first time in the episode
+    double obstacle = 0;   // 1 more where that is no robot
     double time = 0;       // 1 each step on the way
     double effort = 0;     // mean square of the action, in [0, 1]
     double closeness = 0;  // 1 in contact, falling to 0 at `near` metres of clearance

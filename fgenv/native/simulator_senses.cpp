@@ -6,7 +6,8 @@
 namespace fgenv {
 namespace {
 
-constexpr int32_t flat_neighbour = 7, neighbour = 11;  // numbers each
+// Numbers of a neighbour.
+int32_t width_of(const Senses& s, bool flat) { return (flat ? 7 : 11) + (s.priority ? 1 : 0); }
 
 void write(float*& out, double x) { *out++ = static_cast<float>(x); }
 
@@ -76,7 +77,7 @@ std::vector<Slice> Simulator::slices(int32_t i) const {
     add(s.velocity, "velocity", agent.drive.n_actions());
     add(s.configuration, "configuration", agent.robot->nq());
     add(s.path_hint, "path_hint", agent.axes());
-    add(true, "neighbours", s.neighbours * (flat_ ? flat_neighbour : neighbour));
+    add(true, "neighbours", s.neighbours * width_of(s, flat_));
     add(s.lidar, "lidar", static_cast<int32_t>(agent.lidar.directions.size()));
     return out;
 }
@@ -141,9 +142,11 @@ void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out
     }
 }
 
-// The nearest robots, by the origins of their bases; zeros where there are no more.
+// The nearest robots, by the origins of their bases; zeros where there are no more. With a range their numbers fade
+// to zeros where their circles are so far apart, and a direction takes the place of the position.
 void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const {
     const Rigid& own = bodies.bases[i];
+    const double range = settings_.senses.neighbour_range;
     std::vector<std::pair<double, int32_t>> near;
     for (int32_t j = 0; j < n_agents(); ++j) {
         if (j == i || episode.runners[j].status == Status::gone) continue;
@@ -154,17 +157,27 @@ void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies
     std::partial_sort(near.begin(), near.begin() + k, near.end());
     for (size_t m = 0; m < k; ++m) {
         const int32_t j = near[m].second;
-        const Rigid there = relative(own, bodies.bases[j]);
+        Rigid there = relative(own, bodies.bases[j]);
         const Vec3 v = unrotate(own, bodies.velocities[j] - bodies.velocities[i]);
         const double radius = agents_[j].radius;
-        if (flat_) {
-            for (double x : {there.t[0], there.t[1], there.r[0][0], there.r[1][0], v.x, v.y, radius}) write(out, x);
-            continue;
+        double closeness = 1;
+        if (range > 0) {
+            const double far = std::sqrt(near[m].first);
+            closeness = greater(0, 1 - (far - agents_[i].radius - radius) / range);
+            for (double& x : there.t) x = far > 0 ? x / far : 0;
         }
-        const Quaternion turn = quaternion_of(there);
-        for (double x : {there.t[0], there.t[1], there.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius}) write(out, x);
+        const auto tell = [&](std::initializer_list<double> numbers) {
+            for (double x : numbers) write(out, closeness * x);
+        };
+        if (flat_) {
+            tell({there.t[0], there.t[1], there.r[0][0], there.r[1][0], v.x, v.y, radius});
+        } else {
+            const Quaternion turn = quaternion_of(there);
+            tell({there.t[0], there.t[1], there.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius});
+        }
+        if (settings_.senses.priority) tell({j < i ? 1.0 : -1.0});
     }
-    const size_t width = flat_ ? flat_neighbour : neighbour;
+    const size_t width = width_of(settings_.senses, flat_);
     std::fill(out, out + (settings_.senses.neighbours - k) * width, 0.0f);
     out += (settings_.senses.neighbours - k) * width;
 }
