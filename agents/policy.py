@@ -32,17 +32,25 @@ def _replanning(seed: int, rest: str = "") -> Planned:
     return Replanning(*_method(rest), seed=seed)
 
 
+def _orca(seed: int, rest: str = "") -> Orca:
+    if rest not in ("", SHORTEST):
+        raise ValueError(f"policy: 'orca:{rest}', wanted orca, or orca:{SHORTEST}")
+    return Orca.guided() if rest else Orca()
+
+
+SHORTEST = "shortest"
 POLICIES: dict[str, Callable[[int], Policy]] = {
     "goto": lambda seed: GoTo(),
-    "orca": lambda seed: Orca(),
+    "orca": _orca,
     "random": RandomPolicy,
     "rest": lambda seed: Rest(),
     "plan": _planned,
     "replan": _replanning,
 }
 PLANNING: dict[str, Callable[[int, str], Policy]] = {"plan": _planned, "replan": _replanning}
+SPECIAL: dict[str, Callable[[int, str], Policy]] = {**PLANNING, "orca": _orca}
 FORMS = (
-    "goto, orca, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]],"
+    "goto, orca[:shortest], random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]],"
     " mlp:FILE.npz, sb3:FILE.zip, safe:POLICY"
 )
 
@@ -52,7 +60,8 @@ def policy_of(name: str, seed: int = 0) -> Policy:
 
     Args:
         name: of `POLICIES`. `plan` and `replan` may say how to plan: `plan:prioritized`,
-            `plan:composite:PRM`; or which plan file to drive: `plan:FILE.npz`.
+            `plan:composite:PRM`; or which plan file to drive: `plan:FILE.npz`. `orca:shortest`
+            goes along the shortest path among what stands, see `Orca.guided`.
             `mlp:FILE`, `sb3:FILE` and those of other packages: see `fgenv.agents.named`.
             `safe:NAME`: any of these behind a safety filter, see `Safe`.
         seed: of what is random in it, 0 or more.
@@ -72,9 +81,9 @@ def policy_of(name: str, seed: int = 0) -> Policy:
         if found is not None:
             return found
         raise ValueError(f"policy: {name!r} is not known; {near(kind, POLICIES)}")
-    if rest and kind not in PLANNING:
+    if rest and kind not in SPECIAL:
         raise ValueError(f"policy: {name!r}, {kind!r} takes nothing after it; wanted {kind!r}")
-    return PLANNING[kind](seed, rest) if rest else POLICIES[kind](seed)
+    return SPECIAL[kind](seed, rest) if rest else POLICIES[kind](seed)
 
 
 def names(methods: bool = True) -> list[str]:

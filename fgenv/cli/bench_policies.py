@@ -61,7 +61,8 @@ def policies(
         if plot is not None and done:
             found: dict[str, dict[str, Any]] = {}
             for r in done:  # all that come along in one colour, and all that are filtered
-                kind = r["policy"].rpartition(":")[0] or r["policy"]
+                name = r["policy"]
+                kind = name if name.startswith("orca") else name.rpartition(":")[0]
                 found.setdefault(r["set"], {})[kind] = r["success"]
             shares.draw(found, "success, of episodes", plot)
         if as_json:
