@@ -15,9 +15,6 @@ from fgenv.envs import View
 from fgenv.envs.simulator import Floats, Rows
 
 
-NEUTRAL = 0.5  # pace of an output of nothing: exploring from the fastest, one could only slow down
-
-
 @dataclass(frozen=True)
 class BaseAction:
     """How a network's output becomes the action.
@@ -33,16 +30,11 @@ class BaseAction:
         orca: the residual is added to the velocity of the base on the plane that `Orca` wants (its
             first two numbers: ahead and to the left, times the speed), and what it then does about
             others is the action: the network decides where to, and ORCA avoids.
-        pace: the first number alone counts, and says how fast `goto` drives: its speeds times
-            `NEUTRAL` plus the residual, -1 (back) to 1. Whoever keeps to its path meets no wall; when to
-            wait is learned (path-velocity decomposition: K. Kant, S. W. Zucker, "Toward efficient
-            trajectory planning", 1986).
     """
 
     near: float = 0.0
     residual: float = 0.0
     orca: bool = False
-    pace: bool = False
 
     @classmethod
     def of(cls, about: Mapping[str, Any]) -> BaseAction:
@@ -66,10 +58,6 @@ class Acting(Seeing):
         super().reset(view)
         if self._orca is not None:
             self._orca.reset(view)
-        size = max(len(robot.actions) for robot in view.robots)
-        self._speeds = np.zeros((view.n_robots, size), dtype=bool)
-        for i, robot in enumerate(view.robots):
-            self._speeds[i, : len(robot.actions)] = [a.unit == "m/s" for a in robot.actions]
 
     def actions(self, asked: Floats, observations: Rows) -> Floats:
         """Actions (worlds, robots, size) from outputs, alike, and what robots observe."""
@@ -81,10 +69,5 @@ class Acting(Seeing):
             return self._orca.toward(targets(view, observations), observations, more)
         if base.residual > 0:
             along = np.clip(view.toward(targets(view, observations)), -1.0, 1.0)
-            more = base.residual * asked
-            if base.pace:
-                pace = np.clip(NEUTRAL + more[..., :1], -1.0, 1.0)
-                asked = np.where(self._speeds, pace * along, along)
-            else:
-                asked = np.clip(along + more, -1.0, 1.0)
+            asked = np.clip(along + base.residual * asked, -1.0, 1.0)
         return np.where(home, view.toward(view.goals), asked) if base.near > 0 else asked

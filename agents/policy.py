@@ -50,8 +50,8 @@ POLICIES: dict[str, Callable[[int], Policy]] = {
 PLANNING: dict[str, Callable[[int, str], Policy]] = {"plan": _planned, "replan": _replanning}
 SPECIAL: dict[str, Callable[[int, str], Policy]] = {**PLANNING, "orca": _orca}
 FORMS = (
-    "goto, orca[:shortest], random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz, replan[:METHOD[:PLANNER]],"
-    " mlp:FILE.npz, sb3:FILE.zip, safe:POLICY"
+    "goto, orca[:shortest], random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz,"
+    " replan[:METHOD[:PLANNER]], mlp:FILE.npz, sb3:FILE.zip, safe:POLICY"
 )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
+from fgenv.agents.orca import GUIDED
 from fgenv.envs import Observation, Reward
 
 Given = Mapping[str, Any]
@@ -47,7 +48,7 @@ class Recipe:
         actions: `drive` or `way_points`, see `Simulator`. Way points suit drives that cannot go
             sideways: who is to go there turns, then drives.
         near: metres from the goal at which `goto` takes over; 0: it never does.
-        residual, orca, pace: what a network's output counts beside that of `goto`, see
+        residual, orca: what a network's output counts beside that of `goto`, see
             `BaseAction`; 0: alone.
         steps: of robots, in all.
         rows: robots that are stepped at once, about.
@@ -68,7 +69,6 @@ class Recipe:
     near: float = 1.0
     residual: float = 0.0
     orca: bool = False
-    pace: bool = False
     steps: int = 4_000_000
     rows: int = 256
     n_steps: int = 64
@@ -100,15 +100,15 @@ def staged(*mix: Given, **given: Any) -> tuple[Stage, ...]:
     )
 
 
+def circles(*counts: int) -> tuple[Given, ...]:
+    """Circles of so many, with noise and without, and wider ones of few."""
+    wide = tuple(some(n=n, jitter=0.3, vary=0.5) for n in counts if n < 12)
+    return tuple(some(n=n, jitter=j) for n in counts for j in (0.0, 0.3)) + wide
+
+
 PAID = Reward({"progress": 1.0, "arrival": 5.0, "collision": -1.0, "time": -0.03})
 CROWD = Observation(lidar=False, neighbours=6, pad=True)
-LED = Observation(
-    rays=16, lidar_range=2.0, pad=True, path_hint=True, path="shortest", look_ahead=0.6
-)
-DRIVEN = Observation(
-    rays=24, lidar_range=5.0, pad=True, path_hint=True, path="shortest", look_ahead=2.0
-)
-FLYING = Observation(rays=16, lidar_range=4.0, pad=True)
+LED = replace(GUIDED, neighbours=6, neighbour_range=3.0)
 SEEING = Observation(rays=16, lidar_range=4.0, pad=True)
 
 CIRCLES = tuple(some(n=n, jitter=j) for n in (4, 8, 12, 20) for j in (0.0, 0.3))
@@ -121,18 +121,65 @@ WHEELED = Recipe(  # on wheels it learns to wait where collisions are dear and c
     replace(CROWD, neighbours=3),
     PAID,
     (
-        Stage(0.4, collision=-0.5, response="pass", mix=LONG),
-        Stage(0.4, collision=-1.0, response="pass", mix=LONG),
-        Stage(0.2, collision=-1.0, mix=LONG),
+        Stage(0.3, collision=-0.5, response="pass", mix=LONG),
+        Stage(0.25, collision=-1.0, response="pass", mix=circles(4, 8, 12)),
+        Stage(0.3, collision=-1.0, response="pass", mix=circles(4, 8, 12, 20)),
+        Stage(0.15, collision=-1.0, mix=circles(4, 8, 12, 20)),
     ),
-    steps=5_000_000,
-    anneal=False,
+    steps=8_000_000,
 )
 BODIES = replace(DISCS, stages=staged(*LONG, vary=0.5), steps=6_000_000)
-HALL = Recipe(LED, PAID, staged(*FEW), cases=150, near=0.4, rows=512, max_steps=400)
-JUNCTION = replace(HALL, observation=DRIVEN, near=1.0)
-CLUTTER = replace(HALL, stages=staged(some(n=4), some(n=10)), steps=6_000_000)
-WOOD = Recipe(FLYING, PAID, staged(*FEW[1:]), cases=100, near=0.5, steps=3_000_000)
+CLUTTER = Recipe(  # over ORCA few meet, so that meeting is dear from the first step on
+    LED,
+    PAID,
+    (Stage(1.0, collision=-5.0, mix=(some(n=4), some(n=10))),),
+    cases=150,
+    near=0.3,
+    residual=1.0,
+    orca=True,
+    log_std=-1.2,
+    learning_rate=3e-4,
+    rows=512,
+    max_steps=400,
+    steps=2_000_000,
+)
+HALL = replace(  # who is to wait at the door: noise that is held tries that
+    CLUTTER,
+    observation=replace(LED, priority=True),
+    stages=(Stage(1.0, collision=-3.0, mix=FEW),),
+    residual=1.5,
+    log_std=-2.0,
+    held=16,
+    learning_rate=5e-4,
+    max_steps=300,
+    steps=3_000_000,
+)
+DEAR_WALLS = replace(PAID, weights={**PAID.weights, "obstacle": -1.0})
+JUNCTION = Recipe(
+    replace(LED, neighbour_range=8.0, rays=24, lidar_range=6.0, look_ahead=1.5, priority=True),
+    DEAR_WALLS,
+    staged(*FEW[1:]),
+    cases=150,
+    near=0.5,
+    residual=1.5,
+    log_std=-0.7,
+    rows=512,
+    steps=8_000_000,
+)
+WOOD = Recipe(
+    Observation(rays=16, lidar_range=4.0, neighbours=4, neighbour_range=4.0, pad=True),
+    DEAR_WALLS,
+    (
+        Stage(0.8, response="pass", mix=FEW[1:]),
+        Stage(0.2, mix=FEW[1:]),
+    ),
+    cases=100,
+    near=0.5,
+    residual=1.0,
+    log_std=-0.7,
+    rows=512,
+    steps=16_000_000,
+)
 ANY = Recipe(SEEING, PAID, (Stage(1.0),))
 
 RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
@@ -141,13 +188,11 @@ RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
     ("swap", some(body="long"), WHEELED),
     ("swap", some(body="long", drive="holonomic"), BODIES),
     ("swap", some(body="l"), BODIES),
-    ("doorway", some(), replace(HALL, near=1.0)),
-    ("doorway", some(drive="holonomic"), HALL),
-    ("corridor", some(), replace(HALL, near=1.0)),
-    ("warehouse", some(), replace(HALL, near=1.0)),
+    ("doorway", some(), HALL),
+    ("corridor", some(), HALL),
+    ("warehouse", some(), HALL),
     ("intersection", some(), JUNCTION),
-    ("random", some(), replace(CLUTTER, near=1.0)),
-    ("random", some(drive="holonomic"), CLUTTER),
+    ("random", some(), CLUTTER),
     ("forest", some(), WOOD),
 )
 

@@ -267,7 +267,7 @@ class Training:
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
-        envs.base = BaseAction(recipe.near, recipe.residual, recipe.orca, recipe.pace)
+        envs.base = BaseAction(recipe.near, recipe.residual, recipe.orca)
         return envs
 
 

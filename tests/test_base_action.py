@@ -102,7 +102,7 @@ def test_who_follows_its_path_alone_arrives() -> None:
 
 def test_an_output_of_nothing_over_orca_is_orca(view: View) -> None:
     seen = view._simulator.observe()
-    orca = Orca()
+    orca = Orca.guided()
     orca.reset(view)
     base = acting(BaseAction(near=0.3, residual=1.5, orca=True), view)
     assert (base.actions(np.zeros((2, 3, 2)), seen) == orca.act(seen)).all()

@@ -17,7 +17,6 @@ TERMS = {
     "progress": "metres (of a fixed base: radians of all joints) nearer to the goal in this step",
     "arrival": "1 in the step in which the robot arrives",
     "collision": "1 where it met something in this step",
-    "crash": "1 in the step in which it first met something in its episode",
     "obstacle": "1 more where what it met is no robot",
     "time": "1 in each step on the way",
     "effort": "mean square of its action, 0 to 1",

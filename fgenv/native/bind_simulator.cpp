@@ -94,7 +94,6 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("progress", s.weights.progress);
     get("arrival", s.weights.arrival);
     get("collision", s.weights.collision);
-    get("crash", s.weights.crash);
     get("obstacle", s.weights.obstacle);
     get("time", s.weights.time);
     get("effort", s.weights.effort);

@@ -49,7 +49,6 @@ struct Weights {
     double progress = 0;   // metres (radians of joints) nearer to the goal
     double arrival = 0;    // 1 once
     double collision = 0;  // 1 where the robot met something
-    double crash = 0;      // 1 where it did so for the first time in the episode
     double obstacle = 0;   // 1 more where that is no robot
     double time = 0;       // 1 each step on the way
     double effort = 0;     // mean square of the action, in [0, 1]

@@ -163,8 +163,7 @@ void Simulator::settle(Episode& episode, int32_t i, const double* asked) {
         effort += x * x / action_size(i);
     }
     runner.reward += w.progress * (before - runner.remaining) + w.time + w.effort * effort;
-    if (runner.hit >= 0)
-        runner.reward += w.collision + (runner.collisions == 1 ? w.crash : 0) + (robot_of(runner.hit) < 0 ? w.obstacle : 0);
+    if (runner.hit >= 0) runner.reward += w.collision + (robot_of(runner.hit) < 0 ? w.obstacle : 0);
     if (!arrived(agent, runner)) return;
     runner.reward += w.arrival;
     runner.arrived = episode.steps;
