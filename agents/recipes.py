@@ -185,7 +185,7 @@ ANY = Recipe(SEEING, PAID, (Stage(1.0),))
 RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
     ("swap", some(), WHEELED),
     ("swap", some(drive="holonomic"), DISCS),
-    ("swap", some(body="long"), WHEELED),
+    ("swap", some(body="long"), replace(BODIES, steps=12_000_000)),
     ("swap", some(body="long", drive="holonomic"), BODIES),
     ("swap", some(body="l"), BODIES),
     ("doorway", some(), HALL),

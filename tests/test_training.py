@@ -89,6 +89,27 @@ def test_the_network_acts_as_the_model_does(folder: Path) -> None:
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
 
 
+def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_path: Path) -> None:
+    recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12})
+    assert recipe.orca
+    assert recipe.held > 1
+    given = {"recipe": recipe, "scenario": "doorway", "overrides": {"drive": "holonomic"}}
+    file = trained(tmp_path / "one", **given)
+    assert trained(tmp_path / "two", **given).id == file.id
+    training = Training(Wanted(steps=2_000, every=1_000, **given), tmp_path / "one", resume=True)
+    training._begin(0, recipe.stages[-1])
+    acts = []
+    for policy in (Trained(training.export()), Sb3Policy(tmp_path / "one" / "model.zip")):
+        simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)
+        rows = simulator.reset(seed=0)
+        policy.reset(View(simulator))
+        acts.append([policy.act(rows)])
+        for _ in range(20):
+            rows = simulator.step(acts[0][len(acts[-1]) - 1]).observations
+            acts[-1].append(policy.act(rows))
+    np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
+
+
 def test_same_seed_same_file(folder: Path, tmp_path: Path) -> None:
     assert trained(tmp_path / "again").id == PolicyFile.load(folder / "policy.npz").id
     assert trained(tmp_path / "other", seed=1).id != PolicyFile.load(folder / "policy.npz").id
