@@ -71,7 +71,9 @@ def targets(view: View, observations: Rows) -> Floats:
         way = found[:, i, :2] - q[:, i, :2]
         yaw = [_core.arc_tangent(y, x) for x, y in way.tolist()]
         turn = np.abs(np.remainder(found[:, i, 2] - q[:, i, 2] + math.pi, 2 * math.pi) - math.pi)
-        seconds = turn / robot.actions[-1].high
-        late = seconds * robot.actions[0].high >= left[:, i]
+        rate = next(
+            (action.high for action in robot.actions if action.name == "yaw_rate"), math.inf
+        )
+        late = turn / rate * robot.actions[0].high >= left[:, i]
         found[:, i, 2] = np.where(late, found[:, i, 2], yaw)
     return found
