@@ -28,7 +28,8 @@ class Orca(Seeing):
     Each step it takes the velocity nearest to that straight to its goal, or to its path hint where
     it observes one, which, kept for `horizon` seconds, meets none of the others that do their half;
     parked robots do nothing. What else stands about it sees by its lidar, if its observation has
-    one: each ray's end is a point that does not move. Discs are all that it knows: long bodies do not turn aside.
+    one: each ray's end is a point that does not move. Discs are all that it knows: long bodies do
+    not turn aside.
 
     Drives that cannot go sideways follow that velocity as the field does: they turn on the spot
     until they are nearly on its course, then drive while they turn (a car steers towards it). They
