@@ -60,7 +60,7 @@ class Orca(Seeing):
     @classmethod
     def guided(cls) -> Orca:
         """One that goes along the shortest path; margins were chosen on `random`."""
-        made = cls(margin=0.03, slack=0.02)
+        made = cls(wall_horizon=2.0, margin=0.03)
         made.observation = GUIDED
         return made
 

@@ -141,7 +141,7 @@ CLUTTER = Recipe(  # over ORCA few meet, so that meeting is dear from the first 
     learning_rate=3e-4,
     rows=512,
     max_steps=400,
-    steps=2_000_000,
+    steps=1_200_000,
 )
 HALL = replace(  # who is to wait at the door: noise that is held tries that
     CLUTTER,
