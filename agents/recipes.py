@@ -128,7 +128,7 @@ WHEELED = Recipe(  # on wheels it learns to wait where collisions are dear and c
     ),
     steps=8_000_000,
 )
-BODIES = replace(DISCS, stages=staged(*LONG, vary=0.5), steps=6_000_000)
+BODIES = replace(DISCS, stages=staged(*LONG, vary=0.5), steps=12_000_000)
 CLUTTER = Recipe(  # over ORCA few meet, so that meeting is dear from the first step on
     LED,
     PAID,
@@ -178,16 +178,15 @@ WOOD = Recipe(
     residual=1.0,
     log_std=-0.7,
     rows=512,
-    steps=16_000_000,
+    steps=12_000_000,
 )
 ANY = Recipe(SEEING, PAID, (Stage(1.0),))
 
 RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
     ("swap", some(), WHEELED),
     ("swap", some(drive="holonomic"), DISCS),
-    ("swap", some(body="long"), replace(BODIES, steps=12_000_000)),
-    ("swap", some(body="long", drive="holonomic"), BODIES),
-    ("swap", some(body="l"), BODIES),
+    ("swap", some(body="long"), BODIES),
+    ("swap", some(body="l"), replace(BODIES, steps=6_000_000)),
     ("doorway", some(), HALL),
     ("corridor", some(), HALL),
     ("warehouse", some(), HALL),
