@@ -109,7 +109,8 @@ def run(trial: Trial, cases: int, jobs: int) -> list[Record]:
 def record(trial: Trial, name: str, found: Evaluation) -> Record:
     """What is told of one policy; `met`: whether it is as good as wanted, None of ORCA itself."""
     score, base = found.scores[name], found.scores[BASE].success.value
-    goal = max(trial.goal, min(1.0, base + trial.above))
+    above = min(1.0, base + trial.above) if trial.above else 0.0
+    goal = max(trial.goal, above)
     return {
         "set": trial.name,
         "id": found.cases.id,
