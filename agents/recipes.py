@@ -186,6 +186,7 @@ RECIPES: tuple[tuple[str, Given, Recipe], ...] = (
     ("swap", some(), WHEELED),
     ("swap", some(drive="holonomic"), DISCS),
     ("swap", some(body="long"), BODIES),
+    ("swap", some(body="long", drive="holonomic"), replace(DISCS, steps=12_000_000)),
     ("swap", some(body="l"), replace(BODIES, steps=6_000_000)),
     ("doorway", some(), HALL),
     ("corridor", some(), HALL),

@@ -22,6 +22,7 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common import logger
+from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.utils import set_random_seed
@@ -220,7 +221,7 @@ class Training:
             self.normal = VecNormalize.load(str(self.folder / "model.pkl"), envs)
         seed = self.wanted.seed + 1000 * number + self.steps
         if self.model is None and self.steps == 0:
-            self.model = model_of(self.wanted.recipe, self.normal, self.wanted.seed)
+            self.model = model_of(self.wanted.recipe, self.normal, self.wanted.seed, MovingRollouts)
         else:
             if self.model is not None:
                 self._save_model()
@@ -291,7 +292,9 @@ class Ear(BaseCallback):
                 self.logger.record(f"evaluation/{name}", value)
 
 
-def model_of(recipe: Recipe, envs: Any, seed: int) -> PPO:
+def model_of(
+    recipe: Recipe, envs: Any, seed: int, rollouts: type[RolloutBuffer] | None = None
+) -> PPO:
     """PPO as a recipe wants it."""
     return PPO(
         "MlpPolicy",
@@ -307,7 +310,7 @@ def model_of(recipe: Recipe, envs: Any, seed: int) -> PPO:
         use_sde=recipe.held > 0,
         sde_sample_freq=recipe.held or -1,
         device="cpu",
-        rollout_buffer_class=MovingRollouts,
+        rollout_buffer_class=rollouts,
         policy_kwargs={
             "net_arch": list(recipe.hidden),
             "activation_fn": ACTIVATIONS[recipe.activation],

@@ -146,7 +146,7 @@ def test_the_most_special_recipe_is_taken() -> None:
     )
     assert recipe_of("swap", {"drive": "holonomic"}).near < recipe_of("swap").near
     crowd = recipe_of("swap", {"drive": "holonomic"})
-    assert recipe_of("swap", {"drive": "holonomic", "body": "long"}).stages != crowd.stages
+    assert recipe_of("swap", {"drive": "holonomic", "body": "long"}).steps > crowd.steps
     assert recipe_of("mine.yaml", {"n": 4}) == recipe_of("other")
 
 
