@@ -111,12 +111,18 @@ def test_an_output_of_nothing_over_orca_is_orca(view: View) -> None:
 def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
     simulator = Simulator("random", n=2, fill=0.0, drive="holonomic", autoreset=False)
     simulator.reset(seed=0)
-    simulator.place(0, 0, [0.0, 0.0, 0.5], [3.0, 0.0, 0.0])
-    simulator.place(0, 1, [0.0, 2.0, 0.0], [3.0, 2.0, 0.0])
+    ahead = np.array([np.cos(0.5), np.sin(0.5)])  # it looks there, so that it does not turn
+    simulator.place(0, 0, [0.0, 0.0, 0.5], [*(3.0 * ahead), 0.5])
+    simulator.place(0, 1, [0.0, 6.0, 0.0], [3.0, 6.0, 0.0])
     base = acting(BaseAction(residual=2.0, orca=True), View(simulator))
     asked = np.zeros((1, 2, 3))
     asked[0, 0, 1] = 1.0  # to its left, where the other one goes
     seen = simulator.observe()
+    seen = simulator.step(base.actions(asked, seen)).observations
+    v = ahead + 2.0 * np.array([-ahead[1], ahead[0]])
+    by = 0.1 * v / np.linalg.norm(v)  # at 1 m/s, with nobody near yet
+    np.testing.assert_allclose(simulator.configurations[0, 0, :2], by, atol=1e-6)
+    simulator.place(0, 1, [0.0, 2.0, 0.0], [3.0, 2.0, 0.0])
     for _ in range(20):
         seen = simulator.step(base.actions(asked, seen)).observations
         assert (simulator.hits < 0).all()

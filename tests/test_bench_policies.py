@@ -3,12 +3,13 @@
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace as Namespace
 
 import pytest
 
 from fgenv import cli
 from fgenv.agents.named import shipped
-from fgenv.bench.policies import chosen, trials
+from fgenv.bench.policies import Trial, chosen, record, trials
 
 
 def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
@@ -19,6 +20,23 @@ def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
         guided = ("orca:shortest",) if trial.scenario == "random" else ()
         assert trial.policies == ("orca", *guided, *own)
     assert len({trial.name for trial in trials()}) == len(list(trials()))
+
+
+def test_more_than_orca_is_wanted_only_where_it_is_said() -> None:
+    found = Namespace(
+        cases=Namespace(id=""),
+        scores={name: score(share) for name, share in (("orca", 0.98), ("mine", 0.97))},
+    )
+    for above, goal in ((0.0, 0.9), (0.2, 1.0)):
+        told = record(Trial("a", "swap", {}, "mine", 0.9, above), "mine", found)
+        assert (told["goal"], told["met"]) == (goal, 0.97 >= goal)
+
+
+def score(share: float) -> Namespace:
+    """One of so many successes."""
+    some = Namespace(value=share)
+    names = ("success", "robot_collision", "body_collision", "time_out", "extra_time")
+    return Namespace(episodes=1, shared=1, **dict.fromkeys(names, some))
 
 
 def test_a_set_that_is_none_is_told() -> None:

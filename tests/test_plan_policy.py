@@ -234,6 +234,7 @@ def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
         ("plan:compsite", "method: 'compsite' is not known; did you mean 'composite'"),
         ("replan:composite:RTT", "planner: 'RTT' is not known; did you mean 'RRT'"),
         ("goto:composite", "'goto' takes nothing after it"),
+        ("orca:straight", "'orca:straight', wanted orca, or orca:shortest"),
         ("plann", "policy: 'plann' is not known; did you mean 'plan'"),
     ],
 )

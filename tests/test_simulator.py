@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from fgenv.collision import distance
 from fgenv.envs import Observation, Reward, Simulator
 from fgenv.envs.readings import GONE, MOVING, PARKED
+from fgenv.envs.spaces import observation_box
 from fgenv.scenarios import Scenario, frozen
 
 QUIET = Observation(lidar=False, neighbours=0)
@@ -346,6 +347,30 @@ def test_neighbours_fade_with_the_distance_between_circles(name):
         np.testing.assert_allclose(told[1], expected * share[..., None], atol=1e-5)
     assert (np.array(shares) == 0).any()
     assert (np.array(shares) > 0).any()
+
+
+def test_neighbours_tell_who_comes_first_and_stay_within_the_space():
+    seen = Observation(lidar=False, neighbours=3, neighbour_range=2.0, priority=True)
+    scenario = Scenario.load("swap", n=4).model_copy(update={"on_collision": "pass"})
+    simulator, rng = Simulator(scenario, 3, observation=seen), np.random.default_rng(0)
+    part = next(p.slice for p in simulator.layouts[0] if p.name == "neighbours")
+    space = observation_box(simulator, 0)
+    radius = np.linalg.norm(simulator.robots[0].parts[0].shape.vertices, axis=1).max()
+    simulator.reset()
+    told = 0
+    for _ in range(60):  # through each other, where closeness is over 1
+        actions = simulator.toward(simulator.goals) + rng.normal(0, 0.2, (3, 4, 2))
+        rows = simulator.step(np.clip(actions, -1, 1)).observations
+        assert all(space.contains(row) for row in rows.reshape(12, -1))
+        q, others = simulator.configurations, rows[..., part].reshape(3, 4, 3, 8)
+        far = np.linalg.norm(q[:, :, None, :2] - q[:, None, :, :2], axis=-1)
+        for w, i in np.ndindex(3, 4):
+            near = np.argsort(far[w, i], kind="stable")[1:]
+            closeness = others[w, i, :, 6] / radius
+            expected = np.where(near < i, closeness, -closeness)
+            np.testing.assert_allclose(others[w, i, :, 7], expected, atol=1e-3)
+            told += int((closeness > 1).sum())
+    assert told > 0
 
 
 def test_the_path_hint_is_a_point_ahead_on_the_path():

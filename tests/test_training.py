@@ -98,6 +98,8 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
     assert trained(tmp_path / "two", **given).id == file.id
     training = Training(Wanted(steps=2_000, every=1_000, **given), tmp_path / "one", resume=True)
     training._begin(0, recipe.stages[-1])
+    assert training.model.use_sde
+    assert training.model.sde_sample_freq == recipe.held
     acts = []
     for policy in (Trained(training.export()), Sb3Policy(tmp_path / "one" / "model.zip")):
         simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)

@@ -149,6 +149,7 @@ class View:
         """A copy to look ahead in."""
         made = copy.copy(self._simulator)
         made.autoreset, made.reward = False, Reward({})
+        made._guide = None  # nobody looks at what it observes
         return made
 
     def world(self, k: int = 0) -> World:
