@@ -129,6 +129,17 @@ def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
     assert simulator.configurations[0, 0, 1] > 1.0
 
 
+def test_near_its_goal_no_output_counts_over_orca(view: View) -> None:
+    seen = view._simulator.observe()
+    base = acting(BaseAction(near=float(np.mean(view.remaining)), residual=1.5, orca=True), view)
+    nothing, some = (base.actions(np.full((2, 3, 2), x), seen) for x in (0.0, -1.0))
+    near = view.remaining < base.base.near
+    assert 0 < near.sum() < near.size
+    same = (nothing == some).all(axis=-1)
+    assert same[near].all()
+    assert not same[~near].all()
+
+
 def test_orca_over_no_plane_is_told() -> None:
     simulator = Simulator("forest", n=2)
     simulator.reset(seed=0)

@@ -230,3 +230,13 @@ def test_bad_arguments_are_told() -> None:
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 1, 2)), [[1]], points, 0, 1, 0.1, 1, None)
     with pytest.raises(ValueError, match=r"wanted: shape"):
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points, 1, 1, 0.1, 1, None)
+
+
+def test_along_shortest_paths_it_gets_through_clutter():
+    cases = frozen("random", cases=4, n=4, drive="holonomic")
+    shares = []
+    for name in ("orca", "orca:shortest"):
+        found = run_cases(cases, policy_of(name), range(4), clearance=False, max_steps=300)
+        shares.append(np.mean([robot.success for e in found for robot in e.results.robots]))
+    assert shares[1] == 1.0
+    assert shares[0] < 0.9

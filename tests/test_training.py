@@ -110,6 +110,15 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
             rows = simulator.step(acts[0][len(acts[-1]) - 1]).observations
             acts[-1].append(policy.act(rows))
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
+    policy = Trained(file)
+    seen = replace(policy.observation, pad=False)  # rows of two neighbours, of the six it knows
+    simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=seen)
+    rows = simulator.reset(seed=0)
+    policy.reset(View(simulator))
+    padded = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)
+    other, expected = Trained(file), padded.reset(seed=0)
+    other.reset(View(padded))
+    assert (policy.act(rows) == other.act(expected)).all()
 
 
 def test_same_seed_same_file(folder: Path, tmp_path: Path) -> None:
