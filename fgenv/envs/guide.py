@@ -49,7 +49,10 @@ class Guide:
 
     Which cells are open the exact collision check tells, a cell's middle for all of it, so that a
     path is advice and no proof. Narrow cells are dear, so that paths keep off walls where they can.
-    A parked robot is a disc that encloses it. Grids are kept, and the paths of cases' beginnings.
+    A parked robot is a disc as wide as the ball about its base that holds it: of low robots wider
+    than they are, room that is needed to drive around them (in `random` on wheels the closest
+    discs bring ORCA from 0.88 of episodes to 0.60). Grids are kept, and the paths of cases'
+    beginnings.
 
     Args:
         simulator: that it is for.
