@@ -166,18 +166,12 @@ JUNCTION = Recipe(
     rows=512,
     steps=8_000_000,
 )
-WOOD = Recipe(
-    Observation(rays=16, lidar_range=4.0, neighbours=4, neighbour_range=4.0, pad=True),
-    DEAR_WALLS,
-    (
-        Stage(0.8, response="pass", mix=FEW[1:]),
-        Stage(0.2, mix=FEW[1:]),
-    ),
+WOOD = replace(
+    JUNCTION,
+    observation=Observation(rays=16, lidar_range=4.0, neighbours=4, neighbour_range=4.0, pad=True),
+    stages=(Stage(0.8, response="pass", mix=FEW[1:]), Stage(0.2, mix=FEW[1:])),
     cases=100,
-    near=0.5,
     residual=1.0,
-    log_std=-0.7,
-    rows=512,
     steps=12_000_000,
 )
 ANY = Recipe(SEEING, PAID, (Stage(1.0),))
