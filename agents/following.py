@@ -69,7 +69,8 @@ def targets(view: View, observations: Rows) -> Floats:
             for k in range(2):
                 found[:, i, k] = base[:, k, 0] * x + base[:, k, 1] * y + base[:, k, 3]
         way = found[:, i, :2] - q[:, i, :2]
-        yaw = [_core.arc_tangent(y, x) for x, y in way.tolist()]
+        stays = (way == 0.0).all(axis=1)
+        yaw = np.where(stays, q[:, i, 2], [_core.arc_tangent(y, x) for x, y in way.tolist()])
         turn = np.abs(np.remainder(found[:, i, 2] - q[:, i, 2] + math.pi, 2 * math.pi) - math.pi)
         rate = next(
             (action.high for action in robot.actions if action.name == "yaw_rate"), math.inf

@@ -12,8 +12,9 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from fgenv import _core
-from fgenv.envs import Observation, Simulator
-from fgenv.envs.readings import MOVING
+from fgenv.agents import policy_of
+from fgenv.envs import Observation, Simulator, View
+from fgenv.envs.readings import MOVING, PARKED
 from fgenv.scenarios import Scenario
 
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
@@ -91,19 +92,23 @@ def test_what_is_no_grid_is_told(prices, start, told):
 def test_paths_lead_to_the_goal_and_through_no_wall(name):
     simulator = Simulator(name, 3, cases=3, case_order="seed", n=4, observation=HINT)
     simulator.reset(seed=0)
+    waiting = 0  # for others whose only way they would shut
     for world in range(3):
         alone = simulator.built.world(robots=False)
         alone.set_pose(list(simulator.built.names), simulator.standing_poses(world))
         me = simulator.built.add_robot(alone, 0, simulator.configurations[world, 0])
-        for i in range(simulator.n_robots):
-            path = simulator._guide.path(world, i)
+        for i, path in simulator._guide.paths(world).items():
             assert (path[0] == simulator.configurations[world, i]).all()
+            if (path[-1] == path[0]).all():
+                waiting += 1
+                continue
             assert (path[-1] == simulator.goals[world, i]).all()
             dense = simulator.robots[i].interpolate(
                 path[:-1, None], path[1:, None], np.linspace(0, 1, 20)[None]
             )
             # Cells are open at their middles: between them a disc of 0.3 m may graze a corner.
             assert np.mean(alone.collides(me, dense)) < 0.02
+    assert waiting <= 6  # of 12
 
 
 def test_the_hint_of_a_doorway_is_the_door_and_not_the_wall():
@@ -126,8 +131,7 @@ def test_who_is_long_looks_along_its_path():
     simulator.reset(seed=0)
     alone = simulator.built.world(robots=False)
     me = simulator.built.add_robot(alone, 0, simulator.configurations[0, 0])
-    for world, i in itertools.product(range(5), range(4)):
-        path = simulator._guide.path(world, i)
+    for path in itertools.chain(*(simulator._guide.paths(w).values() for w in range(5))):
         ahead = np.diff(path[:, :2], axis=0)
         path[:-1, 2] = np.arctan2(ahead[:, 1], ahead[:, 0])
         for a, b in itertools.pairwise(path):
@@ -149,10 +153,76 @@ def test_paths_lead_around_who_has_parked():
         rows = simulator.step(action).observations
     assert abs(rows[0, 0, hint][1]) > 0.01  # it was on a straight line before
     assert (rows == simulator.observe()).all()
-    path, other = simulator._guide.path(0, 0), simulator.configurations[0, 1]
+    path, other = simulator._guide.paths(0)[0], simulator.configurations[0, 1]
     dense = np.concatenate([np.linspace(a, b, 50) for a, b in itertools.pairwise(path)])
     apart = 2.0 * math.hypot(0.306, 0.35)  # two balls that hold a disc 0.35 m high
     assert np.hypot(*(dense - other)[:, :2].T).min() > apart - 0.1  # but for corners
+
+
+def test_who_would_shut_the_door_waits_until_the_other_is_through():
+    scenario = Scenario.load("doorway", n=2, drive="holonomic")
+    simulator = Simulator(scenario, observation=HINT, autoreset=False)
+    simulator.reset()
+    through, before_it = [[-2.0, 0.0, 0.0], [2.0, 1.0, 0.0]], [[2.0, -1.0, 0.0], [-0.4, 0.0, 0.0]]
+    simulator.place(0, 0, *through)
+    simulator.place(0, 1, *before_it)
+    rest = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
+    told = []
+    while simulator.status[0, 0] == MOVING:
+        hints = simulator.observe()[0, :, rest]
+        told.append(np.linalg.norm(hints, axis=1))
+        q = simulator.configurations
+        q[0, :, :2] += hints  # both look along x
+        simulator.step(simulator.toward(q))
+    told = np.array(told)
+    assert (told[:-1, 0] > 0.1).all()
+    assert (told[:, 1] == 0.0).all()
+    assert np.linalg.norm(simulator.observe()[0, 1, rest]) == pytest.approx(0.5, abs=0.1)
+    assert (simulator.configurations[0, 1] == before_it[0]).all()
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_those_who_change_places_do_not_wait_for_each_other(n):
+    scenario = Scenario.load("random", n=n, fill=0.0, drive="holonomic")
+    policy = policy_of("orca:shortest")
+    simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
+    simulator.reset()
+    turns = 2 * math.pi / n * np.arange(n)
+    places = np.column_stack([np.cos(turns), np.sin(turns) + 0.1 * turns, turns])
+    for i in range(n):
+        simulator.place(0, i, places[i], places[(i + 1) % n])
+    policy.reset(View(simulator))
+    rows, over = simulator.observe(), False
+    while not over:
+        step = simulator.step(policy.act(rows))
+        rows, over = step.observations, bool(step.terminated[0] or step.truncated[0])
+    assert (simulator.status == PARKED).all()
+
+
+def test_who_vanishes_at_its_goal_shuts_no_way():
+    scenario = Scenario.load("doorway", n=2).model_copy(update={"at_goal": "vanish"})
+    simulator = Simulator(scenario, observation=HINT)
+    simulator.reset()
+    simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 1.0, 0.0])
+    simulator.place(0, 1, [2.0, -1.0, 0.0], [-0.4, 0.0, 0.0])
+    path = simulator._guide.paths(0)[1]
+    assert (path[0] != path[-1]).any()
+
+
+def test_who_has_parked_on_the_other_lane_shuts_no_road():
+    """Discs that enclose cars of 2.5 m shut every road in which one had parked."""
+    seen = Observation(path_hint=True, path="shortest", look_ahead=1.5)
+    scenario = Scenario.load("intersection", n=2, drive="holonomic", jitter=0.0)
+    simulator = Simulator(scenario, observation=seen, autoreset=False)
+    simulator.reset()
+    simulator.place(0, 1, [4.9, -1.0, 0.0], [5.0, -1.0, 0.0])
+    simulator.place(0, 0, [7.0, 1.0, math.pi], [-5.0, 1.0, math.pi])
+    while simulator.status[0, 1] == MOVING:
+        action = simulator.toward(simulator.goals)
+        action[0, 0] = 0.0
+        simulator.step(action)
+    path = simulator._guide.paths(0)[0]
+    assert np.abs(path[:, 1] - 1.0).max() < 0.5
 
 
 def test_a_guided_episode_goes_on_alike_in_copies_and_states():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,13 +15,14 @@ from fgenv.collision import World
 from fgenv.robots import Robot
 from fgenv.robots.limits import reaches
 
-from .readings import PARKED
+from .readings import MOVING, PARKED
 
 if TYPE_CHECKING:
     from .simulator import Simulator
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 FINE = 1 / 3  # of the radius of a robot's circle: a cell's side
 MOST = 200  # cells along a side of the workspace
@@ -44,15 +47,25 @@ class Grid(NamedTuple):
         return places
 
 
+class Way(NamedTuple):
+    """A path (k, 3), and the grid that it was found on."""
+
+    grid: Grid
+    path: Floats
+
+
 class Guide:
     """Shortest paths of planar robots among what stands and who has parked, over a grid of cells.
 
     Which cells are open the exact collision check tells, a cell's middle for all of it, so that a
     path is advice and no proof. Narrow cells are dear, so that paths keep off walls where they can.
-    A parked robot is a disc as wide as the ball about its base that holds it: of low robots wider
-    than they are, room that is needed to drive around them (in `random` on wheels the closest
-    discs bring ORCA from 0.88 of episodes to 0.60). Grids are kept, and the paths of cases'
-    beginnings.
+    A parked robot is a row of discs that hold it. One disc is as wide as the ball about its base:
+    of low robots wider than they are, room that is needed to drive around them (in `random` on
+    wheels the closest discs bring ORCA from 0.88 of episodes to 0.60). Grids are kept, what parked
+    robots take of them for an episode, and the paths of cases' beginnings.
+
+    Who would shut another's only way by parking, or is to park where that stands, has no path until
+    that has parked: in `doorway` goals may be right behind the door.
 
     Args:
         simulator: that it is for.
@@ -68,45 +81,122 @@ class Guide:
                     f"path: {robot.name!r} has no planar base, or no workspace; wanted 'straight'"
                 )
         self._simulator = simulator
-        self._radii = [float(reaches(robot)[robot.root]) for robot in simulator.robots]
+        self._discs = [discs_of(robot) for robot in simulator.robots]
+        self._room = [
+            0.0 if is_long(robot) else float(reaches(robot)[robot.root]) - radius
+            for robot, (_, radius) in zip(simulator.robots, self._discs, strict=True)
+        ]
         self._grids: dict[tuple[int, int], Grid] = {}
-        self._paths: dict[bytes, Floats] = {}
+        self._taken: list[dict[Any, tuple[Flags, Flags]]] = [{} for _ in range(simulator.n_worlds)]
+        self._begun: dict[tuple[int, bytes], list[Floats]] = {}
 
-    def path(self, world: int, i: int) -> Floats:
-        """Of robot i from where it is to its goal, (k, 3): x, y, yaw.
+    def paths(self, world: int) -> dict[int, Floats]:
+        """Of robots on the way from where they are to their goals, (k, 3): x, y, yaw, by robot.
 
-        Straight where there is no way at all; through parked robots where there is none around.
+        Straight where there is no way at all; through parked robots where there is none around. Who
+        waits for another's way has a path that ends where it begins.
         """
         simulator = self._simulator
-        case = int(simulator.case_numbers[world])
-        start, goal = simulator.configurations[world, i, :3], simulator.goals[world, i, :3]
         parked = np.flatnonzero(simulator.status[world] == PARKED)
-        grid = self._grid(world, case, i)
-        if len(parked):
-            around = found(self._around(world, i, parked, grid), start, goal)
-            if around is not None:
-                return around
-        key = b"%d %d " % (case, i) + start.tobytes() + goal.tobytes()
-        if key not in self._paths:
-            way = found(grid, start, goal)
-            self._paths[key] = np.stack([start, goal]) if way is None else way
-        return self._paths[key]
+        moving = np.flatnonzero(simulator.status[world] == MOVING).tolist()
+        if not len(parked):
+            self._taken[world].clear()
+        if len(parked) or simulator.starts == "random":
+            return dict(zip(moving, self._found(world, moving, parked), strict=True))
+        at = simulator.configurations[world].tobytes() + simulator.goals[world].tobytes()
+        key = int(simulator.case_numbers[world]), at
+        if key not in self._begun:
+            self._begun[key] = self._found(world, moving, parked)
+        return dict(zip(moving, self._begun[key], strict=True))
 
-    def _around(self, world: int, i: int, parked: Ints, grid: Grid) -> Grid:
-        """The grid without what parked robots take of it."""
-        prices, places = grid.prices.copy(), self._simulator.configurations[world, parked, :2]
-        for j, place in zip(parked.tolist(), places, strict=True):
-            x, y = (grid.axis(k) - place[k] for k in range(2))
-            squared, apart = x[:, None] ** 2 + y**2, self._radii[i] + self._radii[j]
-            near = squared < (apart + NARROW * self._radii[i]) ** 2
-            prices[:, near] = np.maximum(prices[:, near], DEAR)
-            prices[:, squared < apart**2] = math.inf
+    def _found(self, world: int, moving: list[int], parked: Ints) -> list[Floats]:
+        """Paths of who is on the way."""
+        q, goals = (
+            x[world, :, :3] for x in (self._simulator.configurations, self._simulator.goals)
+        )
+        ways: dict[int, Way] = {}
+        for i in moving:
+            grid = self._grid(world, int(self._simulator.case_numbers[world]), i)
+            around = self._around(world, i, grid, parked.tolist(), q[parked])
+            path = found(around, q[i], goals[i])
+            if path is not None:
+                grid = around
+            else:
+                path = found(grid, q[i], goals[i])
+            ways[i] = Way(grid, np.stack([q[i], goals[i]]) if path is None else path)
+        waits = self._waiting(world, ways) if self._simulator.scenario.at_goal == "park" else set()
+        return [np.stack([q[i], q[i]]) if i in waits else ways[i].path for i in moving]
+
+    def _waiting(self, world: int, ways: dict[int, Way]) -> set[int]:
+        """Who is to park later than another, and does not stand where that is to park."""
+        waits: dict[int, set[int]] = {i: set() for i in ways}  # for whom, and for whom those wait
+        for i, j in itertools.permutations(ways, 2):
+            if i in waits[j] or not self._shuts(world, i, j, ways[j]):
+                continue
+            first, later = {j, *waits[j]}, {i, *(k for k in ways if i in waits[k])}
+            if not any(
+                self._stands(k, ways[k].path[0], m, ways[m].path[-1:]) for k in later for m in first
+            ):
+                for k in later:
+                    waits[k] |= first
+        return {i for i in ways if waits[i]}
+
+    def _shuts(self, world: int, i: int, j: int, way: Way) -> bool:
+        """Whether robot i at its goal shuts the only way of robot j, or would be where that is."""
+        goal = self._simulator.goals[world, i, :3]
+        if not self._stands(i, goal, j, way.path):
+            return False
+        if self._stands(i, goal, j, way.path[:1]):
+            return True
+        shut = self._around(world, j, way.grid, [i], goal[None], room=False)
+        return found(shut, way.path[0], way.path[-1]) is None
+
+    def _stands(self, i: int, at: Floats, j: int, path: Floats) -> bool:
+        """Whether robot i at a configuration stands in a path of robot j, or at a point of it."""
+        (centres, radius), (_, wide) = self._discs[i], self._discs[j]
+        return gap(path, placed(centres, at)) < radius + wide
+
+    def _around(
+        self, world: int, i: int, grid: Grid, parked: Sequence[int], at: Floats, room: bool = True
+    ) -> Grid:
+        """The grid of a robot without what others take of it, parked at (k, 3)."""
+        prices = grid.prices.copy()
+        for j, place in zip(parked, at, strict=True):
+            key = self._like(i), j, place.tobytes(), room
+            if key not in self._taken[world]:
+                self._taken[world][key] = self._takes(i, grid, j, place, room)
+            near, closed = self._taken[world][key]
+            prices[near] = np.maximum(prices[near], DEAR)
+            prices[closed] = math.inf
         return grid._replace(prices=prices)
+
+    def _takes(self, i: int, grid: Grid, j: int, at: Floats, room: bool) -> tuple[Flags, Flags]:
+        """Cells of a robot's grid that another's discs at a place are near to, and in."""
+        (mine, radius), (others, wide) = self._discs[i], self._discs[j]
+        apart = radius + wide + room * (self._room[i] + self._room[j])
+        squared = np.full(grid.prices.shape, math.inf)
+        for layer in range(len(squared)):
+            own = placed(mine, np.array([0.0, 0.0, layer * (2 * math.pi / HEADINGS)]))
+            middles = placed(others, at)[:, None] - own  # of the robot where two discs have one
+            x, y = (grid.axis(k) - middles[..., k, None] for k in range(2))
+            each = x[..., :, None] ** 2 + y[..., None, :] ** 2
+            squared[layer] = each.min(axis=(0, 1))
+        near = squared < (apart + NARROW * (radius + self._room[i])) ** 2
+        return near, squared < apart**2
+
+    def _reach(self, i: int) -> float:
+        """Metres from a robot's base that its discs reach."""
+        centres, radius = self._discs[i]
+        return float(np.abs(centres).max()) + radius
+
+    def _like(self, i: int) -> int:
+        """The first robot of the same model."""
+        models = [robot.model for robot in self._simulator.scenario.robots]
+        return models.index(models[i])
 
     def _grid(self, world: int, case: int, i: int) -> Grid:
         """That of a robot in a case; alike robots share it."""
-        models = [robot.model for robot in self._simulator.scenario.robots]
-        key = case, models.index(models[i])
+        key = case, self._like(i)
         if key not in self._grids:
             alone = self._simulator.built.world(robots=False)
             cases = self._simulator.cases
@@ -117,7 +207,7 @@ class Guide:
         return self._grids[key]
 
     def _priced(self, alone: World, i: int) -> Grid:
-        robot, radius = self._simulator.robots[i], self._radii[i]
+        robot, radius = self._simulator.robots[i], self._reach(i) + self._room[i]
         room, margin = np.asarray(robot.workspace), NARROW * 0.5 * min(sides_of(robot))
         side = max(FINE * radius, float(np.ptp(room, axis=0).max()) / MOST)
         counts = np.maximum(1, np.floor(np.ptp(room, axis=0) / side).astype(int))
@@ -147,11 +237,50 @@ def found(grid: Grid, start: Floats, goal: Floats) -> Floats | None:
     return headed(np.concatenate([start[None, :2], middles, goal[None, :2]]), start, goal)
 
 
+def gap(path: Floats, places: Floats) -> float:
+    """Metres between a path (n, 3), or a point (1, 3), and the nearest of places (k, 2)."""
+    begins = path[: max(1, len(path) - 1), :2]
+    legs, to = path[-len(begins) :, :2] - begins, places[:, None] - begins
+    squared = (legs**2).sum(axis=1)
+    along = np.divide(
+        (to * legs).sum(axis=2), squared, out=np.zeros(to.shape[:2]), where=squared > 0
+    )
+    by = to - np.clip(along, 0.0, 1.0)[..., None] * legs
+    return math.sqrt(float((by**2).sum(axis=2).min()))
+
+
+def footprint(robot: Robot) -> Floats:
+    """Vertices (k, 2) of a robot's root link in its own frame, metres."""
+    found = [p.shape.vertices @ p.origin[:2, :3].T + p.origin[:2, 3] for p in robot.links[0].shapes]
+    return np.concatenate(found) if found else np.zeros((1, 2))
+
+
 def sides_of(robot: Robot) -> Floats:
     """Length and width of a robot's root link in its own frame, metres, (2,)."""
-    parts = robot.links[0].shapes
-    points = [p.shape.vertices @ p.origin[:2, :3].T + p.origin[:2, 3] for p in parts]
-    return np.ptp(np.concatenate(points), axis=0) if points else np.zeros(2)
+    sides: Floats = np.ptp(footprint(robot), axis=0)
+    return sides
+
+
+def discs_of(robot: Robot) -> tuple[Floats, float]:
+    """Discs that hold a robot: where their centres are ahead of its base, and their radius.
+
+    In a row of who is long, else one about its base; metres.
+    """
+    if is_long(robot):
+        (back, _), (front, _) = (f(footprint(robot), axis=0) for f in (np.min, np.max))
+        width, n = sides_of(robot)[1], math.ceil((front - back) / sides_of(robot)[1])
+        each = (front - back) / n
+        return back + each * (np.arange(n) + 0.5), 0.5 * math.hypot(each, width)
+    if any(link.shapes for link in robot.links[1:]):
+        return np.zeros(1), float(reaches(robot)[robot.root])
+    return np.zeros(1), math.sqrt(float((footprint(robot) ** 2).sum(axis=1).max()))
+
+
+def placed(ahead: Any, at: Floats) -> Floats:
+    """Points (k, 2) that are so far ahead of a base at (3,), metres."""
+    sine, cosine = _core.sin_cos(at[2:])
+    found: Floats = at[:2] + np.multiply.outer(ahead, np.array([cosine[0], sine[0]]))
+    return found
 
 
 def is_long(robot: Robot) -> bool:

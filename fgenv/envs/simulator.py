@@ -8,7 +8,6 @@ Gymnasium, Stable-Baselines3) are views of this class.
 from __future__ import annotations
 
 import copy
-import itertools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -200,7 +199,7 @@ class Simulator(Readings):
         self._core.reset(which, seeds, self.threads)
         self._begun = True
         self._over[which] = False
-        self._guided(itertools.product(which.tolist(), range(self.n_robots)))
+        self._guided(which.tolist())
         return self._core.observe(which, self.threads)
 
     def step(self, actions: ArrayLike) -> Step:
@@ -233,25 +232,24 @@ class Simulator(Readings):
         """Begin a robot's episode anew, from a start to a goal, (nq,); nobody asks who is there."""
         self._ready("place")
         self._core.place(world, robot, start, goal)
-        self._guided([(world, robot)])
+        self._guided([world])
 
-    def _guided(self, which: Iterable[tuple[int, int]]) -> None:
-        """Paths of (world, robot) at the beginning of an episode, where they are not straight."""
+    def _guided(self, worlds: Iterable[int]) -> None:
+        """Paths of who is on the way from where it is, where they are not straight."""
         if self._guide is None:
             return
-        for world, robot in which:
-            self._core.set_path(world, robot, self._guide.path(world, robot))
+        for world in worlds:
+            for robot, path in self._guide.paths(world).items():
+                self._core.set_path(world, robot, path)
 
     def _guide_around_parked(self, rows: Rows) -> None:
-        """Where somebody parked in this step the paths of others lead around it from here."""
+        """Where somebody parked in this step others have new paths from here."""
         if self._guide is None:
             return
-        status = self.status
-        parked = (status == PARKED) & (self.arrival_steps == self.steps[:, None])
+        parked = (self.status == PARKED) & (self.arrival_steps == self.steps[:, None])
         which = np.flatnonzero(parked.any(axis=1) & ~self._over)
         if len(which):
-            moving = np.argwhere(status[which] == MOVING)
-            self._guided((int(which[k]), int(i)) for k, i in moving)
+            self._guided(which.tolist())
             rows[which] = self._core.observe(which, self.threads)
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
