@@ -28,7 +28,8 @@ class Trained(Seeing):
     def __init__(self, file: PolicyFile) -> None:
         self.file = file
         seen = self.observation = Observation(**file.about["observation"])
-        self._neighbour = {flat: seen.neighbour_size(flat) for flat in (True, False)}
+        many = 2 if seen.priority else 1
+        self._neighbour = {flat: many * seen.neighbour_size(flat) for flat in (True, False)}
         self.actions: str = file.about["actions"]
         kinds = [file.about["activation"]] * (len(file.layers) - 1) + ["none"]
         layers = zip(file.layers, kinds, strict=True)

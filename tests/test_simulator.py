@@ -349,28 +349,52 @@ def test_neighbours_fade_with_the_distance_between_circles(name):
     assert (np.array(shares) > 0).any()
 
 
-def test_neighbours_tell_who_comes_first_and_stay_within_the_space():
-    seen = Observation(lidar=False, neighbours=3, neighbour_range=2.0, priority=True)
+def test_with_priorities_those_who_go_first_come_first_and_stay_within_the_space():
+    seen = Observation(lidar=False, neighbours=2, neighbour_range=2.0, priority=True, pad=True)
     scenario = Scenario.load("swap", n=4).model_copy(update={"on_collision": "pass"})
-    simulator, rng = Simulator(scenario, 3, observation=seen), np.random.default_rng(0)
+    rng = np.random.default_rng(0)
+    simulator, every = (
+        Simulator(scenario, 3, observation=each)
+        for each in (seen, dataclasses.replace(seen, neighbours=3, priority=False))
+    )
     part = next(p.slice for p in simulator.layouts[0] if p.name == "neighbours")
     space = observation_box(simulator, 0)
-    radius = np.linalg.norm(simulator.robots[0].parts[0].shape.vertices, axis=1).max()
     simulator.reset()
-    told = 0
+    every.reset()
     for _ in range(60):  # through each other, where closeness is over 1
-        actions = simulator.toward(simulator.goals) + rng.normal(0, 0.2, (3, 4, 2))
-        rows = simulator.step(np.clip(actions, -1, 1)).observations
+        actions = np.clip(simulator.toward(simulator.goals) + rng.normal(0, 0.2, (3, 4, 2)), -1, 1)
+        rows = simulator.step(actions).observations
         assert all(space.contains(row) for row in rows.reshape(12, -1))
-        q, others = simulator.configurations, rows[..., part].reshape(3, 4, 3, 8)
-        far = np.linalg.norm(q[:, :, None, :2] - q[:, None, :, :2], axis=-1)
+        others = rows[..., part].reshape(3, 4, 2, 2, 7)
+        near = every.step(actions).observations[..., part.start :].reshape(3, 4, 3, 7)
+        q = simulator.configurations[..., :2]
         for w, i in np.ndindex(3, 4):
-            near = np.argsort(far[w, i], kind="stable")[1:]
-            closeness = others[w, i, :, 6] / radius
-            expected = np.where(near < i, closeness, -closeness)
-            np.testing.assert_allclose(others[w, i, :, 7], expected, atol=1e-3)
-            told += int((closeness > 1).sum())
-    assert told > 0
+            order = np.argsort(np.linalg.norm(q[w] - q[w, i], axis=-1), kind="stable")[1:]
+            for group, which in enumerate((order < i, order > i)):
+                expected = np.zeros((2, 7))
+                expected[: min(2, which.sum())] = near[w, i, which][:2]
+                np.testing.assert_array_equal(others[w, i, group], expected)
+
+
+@pytest.mark.parametrize(("name", "axes"), [("swap", 2), ("forest", 3)])
+def test_neighbours_tell_where_they_are_headed_and_stay_within_the_space(name, axes):
+    rng = np.random.default_rng(0)
+    seen = Observation(lidar=False, goal=False, velocity=False, neighbours=3, intent=True)
+    simulator = Simulator(Scenario.load(name, n=4), 2, observation=seen)
+    space = observation_box(simulator, 0)
+    rows = simulator.reset()
+    for _ in range(10):
+        rows = simulator.step(0.3 * simulator.sample(rng) + 0.5).observations
+        assert all(space.contains(row) for row in rows.reshape(8, -1))
+        at, goals = simulator.configurations[..., :axes], simulator.goals[..., :axes]
+        for w, i in np.ndindex(2, 4):
+            robot = simulator.robots[i]
+            base = robot.forward(simulator.configurations[w, i, : robot.nq], 0)
+            near = np.argsort(np.linalg.norm(at[w] - at[w, i], axis=-1), kind="stable")[1:]
+            told = rows[w, i].reshape(3, -1)[:, -axes:]
+            np.testing.assert_allclose(
+                told, (goals[w, near] - at[w, near]) @ base[:axes, :axes], atol=1e-5
+            )
 
 
 def test_the_path_hint_is_a_point_ahead_on_the_path():

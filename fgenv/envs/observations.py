@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from fgenv.robots import Robot
@@ -57,8 +57,10 @@ class Observation:
         neighbour_range: metres between circles that enclose robots, over which neighbours fade: all
             numbers of one are times 1 where circles touch, 0 where they are so far apart, and
             its position is a direction. None: as they are. A network tells near from far better so.
-        priority: tell of each neighbour whether it comes before the robot in the scenario (1) or
-            after it (-1), as a last number: who is to go first where only one can.
+        intent: tell of each neighbour where its goal is from there, metres in the robot's own frame
+            (2 numbers; of free bases 3): who it is that will cross its way.
+        priority: first the nearest of those that come before the robot in the scenario, then as
+            many of those that come after it: who is to go first where only one can.
         pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
             long for any number of them.
         path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
@@ -75,6 +77,7 @@ class Observation:
     lidar: bool = True
     neighbours: int = 4
     neighbour_range: float | None = None
+    intent: bool = False
     priority: bool = False
     look_ahead: float = 1.0
     rays: int | None = None
@@ -83,7 +86,7 @@ class Observation:
     path: str = "straight"
 
     def __post_init__(self) -> None:
-        for name in ("goal", "velocity", "configuration", "path_hint", "lidar", "pad", "priority"):
+        for name in (switch.name for switch in fields(self) if switch.type == "bool"):
             if not isinstance(getattr(self, name), bool):
                 raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
         if self.path not in PATHS:
@@ -100,7 +103,7 @@ class Observation:
 
     def neighbour_size(self, flat: bool) -> int:
         """Numbers of one neighbour; flat: all bases are planar."""
-        return (7 if flat else 11) + self.priority
+        return (7 if flat else 11) + (2 if flat else 3) * self.intent
 
 
 def parts_of(slices: list[tuple[str, int, int]], robot: Robot) -> tuple[Part, ...]:

@@ -170,6 +170,7 @@ class Simulator(Readings):
             "path_hint": seen.path_hint,
             "lidar": seen.lidar,
             "neighbours": seen.neighbours if seen.pad else min(seen.neighbours, self.n_robots - 1),
+            "intent": seen.intent,
             "priority": seen.priority,
             "neighbour_range": float(seen.neighbour_range or 0.0),
             "look_ahead": float(seen.look_ahead),

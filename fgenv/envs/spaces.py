@@ -125,13 +125,14 @@ def ways(simulator: Simulator, i: int, part: Part) -> Floats:
 def neighbours(simulator: Simulator, i: int, size: int) -> Floats:
     """The largest numbers of what robot i sees of others, either way."""
     others = range(simulator.n_robots)
-    far, fast = extent(simulator), speed(simulator, i) + max(speed(simulator, j) for j in others)
+    far = way = extent(simulator)
+    fast = speed(simulator, i) + max(speed(simulator, j) for j in others)
     radius = max(reaches(robot)[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
     seen, closest = simulator.observation, 1.0
     if seen.neighbour_range is not None:  # a direction, and all times the closeness
         far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbour_range
-    one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[1.0] * seen.priority]
+    one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[way] * axes * seen.intent]
     return np.tile(one, size // len(one)) * closest
 
 

@@ -88,6 +88,7 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("path_hint", s.senses.path_hint);
     get("lidar", s.senses.lidar);
     get("neighbours", s.senses.neighbours);
+    get("intent", s.senses.intent);
     get("priority", s.senses.priority);
     get("neighbour_range", s.senses.neighbour_range);
     get("look_ahead", s.senses.look_ahead);

@@ -40,7 +40,8 @@ struct Senses {
     bool goal = true, velocity = true, configuration = false, path_hint = false, lidar = true;
     int32_t neighbours = 0;
     double neighbour_range = 0;  // metres over which neighbours fade; 0: they do not
-    bool priority = false;       // of neighbours is told
+    bool intent = false;         // of neighbours is told: where they are headed
+    bool priority = false;       // neighbours that go before the robot, then those that go after it
     double look_ahead = 1;       // metres, or radians of joints, along the path
 };
 
@@ -167,10 +168,12 @@ private:
     double remaining(const Agent& agent, const Runner& runner) const;
     bool arrived(const Agent& agent, const Runner& runner) const;
     struct Bodies;
-    Rigid base_frame(const Agent& agent, const Runner& runner) const;
+    Rigid base_frame(const Agent& agent, const double* q) const;
     void sense_goal(const Agent& agent, const Runner& runner, float*& out) const;
     void sense_path(const Agent& agent, const Runner& runner, float*& out) const;
     void sense_neighbours(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const;
+    void sense_neighbour(
+        const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const;
     void sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const;
 
     std::vector<Agent> agents_;

@@ -7,7 +7,9 @@ namespace fgenv {
 namespace {
 
 // Numbers of a neighbour.
-int32_t width_of(const Senses& s, bool flat) { return (flat ? 7 : 11) + (s.priority ? 1 : 0); }
+int32_t width_of(const Senses& s, bool flat) {
+    return (flat ? 7 : 11) + (s.intent ? (flat ? 2 : 3) : 0);
+}
 
 void write(float*& out, double x) { *out++ = static_cast<float>(x); }
 
@@ -77,7 +79,7 @@ std::vector<Slice> Simulator::slices(int32_t i) const {
     add(s.velocity, "velocity", agent.drive.n_actions());
     add(s.configuration, "configuration", agent.robot->nq());
     add(s.path_hint, "path_hint", agent.axes());
-    add(true, "neighbours", s.neighbours * width_of(s, flat_));
+    add(true, "neighbours", s.neighbours * (s.priority ? 2 : 1) * width_of(s, flat_));
     add(s.lidar, "lidar", static_cast<int32_t>(agent.lidar.directions.size()));
     return out;
 }
@@ -88,7 +90,7 @@ void Simulator::observe(int32_t e, float* rows) const {
     for (int32_t i = 0; i < n_agents(); ++i) {
         const Agent& agent = agents_[i];
         const Runner& runner = episode.runners[i];
-        bodies.bases.push_back(base_frame(agent, runner));
+        bodies.bases.push_back(base_frame(agent, runner.q.data()));
         bodies.velocities.push_back(rotate(bodies.bases.back(), velocity_of(agent.drive, runner.action.data())));
     }
     const Senses& s = settings_.senses;
@@ -109,9 +111,9 @@ void Simulator::observe(int32_t e, float* rows) const {
     }
 }
 
-Rigid Simulator::base_frame(const Agent& agent, const Runner& runner) const {
+Rigid Simulator::base_frame(const Agent& agent, const double* q) const {
     const Joint& joint = agent.robot->joints[0];
-    return carried(joint, joint.origin, runner.q.data());
+    return carried(joint, joint.origin, q);
 }
 
 void Simulator::sense_goal(const Agent& agent, const Runner& runner, float*& out) const {
@@ -143,43 +145,54 @@ void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out
 }
 
 // The nearest robots, by the origins of their bases; zeros where there are no more. With a range their numbers fade
-// to zeros where their circles are so far apart, and a direction takes the place of the position.
+// to zeros where their circles are so far apart, and a direction takes the place of the position. With priorities
+// those that go before the robot, then as many of those that go after it.
 void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const {
+    const int32_t n = n_agents();
+    const auto tell = [&](int32_t from, int32_t to) {
+        std::vector<std::pair<double, int32_t>> near;
+        for (int32_t j = from; j < to; ++j) {
+            if (j == i || episode.runners[j].status == Status::gone) continue;
+            const Vec3 d = origin(bodies.bases[j]) - origin(bodies.bases[i]);
+            near.emplace_back(dot(d, d), j);
+        }
+        const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbours);
+        std::partial_sort(near.begin(), near.begin() + k, near.end());
+        for (size_t m = 0; m < k; ++m) sense_neighbour(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
+        const size_t rest = (settings_.senses.neighbours - k) * width_of(settings_.senses, flat_);
+        std::fill(out, out + rest, 0.0f);
+        out += rest;
+    };
+    if (!settings_.senses.priority) return tell(0, n);
+    tell(0, i);
+    tell(i, n);
+}
+
+void Simulator::sense_neighbour(
+    const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const {
     const Rigid& own = bodies.bases[i];
-    const double range = settings_.senses.neighbour_range;
-    std::vector<std::pair<double, int32_t>> near;
-    for (int32_t j = 0; j < n_agents(); ++j) {
-        if (j == i || episode.runners[j].status == Status::gone) continue;
-        const Vec3 d = origin(bodies.bases[j]) - origin(own);
-        near.emplace_back(dot(d, d), j);
+    const double range = settings_.senses.neighbour_range, radius = agents_[j].radius;
+    Rigid there = relative(own, bodies.bases[j]);
+    const Vec3 v = unrotate(own, bodies.velocities[j] - bodies.velocities[i]);
+    double closeness = 1;
+    if (range > 0) {
+        closeness = greater(0, 1 - (far - agents_[i].radius - radius) / range);
+        for (double& x : there.t) x = far > 0 ? x / far : 0;
     }
-    const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbours);
-    std::partial_sort(near.begin(), near.begin() + k, near.end());
-    for (size_t m = 0; m < k; ++m) {
-        const int32_t j = near[m].second;
-        Rigid there = relative(own, bodies.bases[j]);
-        const Vec3 v = unrotate(own, bodies.velocities[j] - bodies.velocities[i]);
-        const double radius = agents_[j].radius;
-        double closeness = 1;
-        if (range > 0) {
-            const double far = std::sqrt(near[m].first);
-            closeness = greater(0, 1 - (far - agents_[i].radius - radius) / range);
-            for (double& x : there.t) x = far > 0 ? x / far : 0;
-        }
-        const auto tell = [&](std::initializer_list<double> numbers) {
-            for (double x : numbers) write(out, closeness * x);
-        };
-        if (flat_) {
-            tell({there.t[0], there.t[1], there.r[0][0], there.r[1][0], v.x, v.y, radius});
-        } else {
-            const Quaternion turn = quaternion_of(there);
-            tell({there.t[0], there.t[1], there.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius});
-        }
-        if (settings_.senses.priority) tell({j < i ? 1.0 : -1.0});
+    const auto tell = [&](std::initializer_list<double> numbers) {
+        for (double x : numbers) write(out, closeness * x);
+    };
+    if (flat_) {
+        tell({there.t[0], there.t[1], there.r[0][0], there.r[1][0], v.x, v.y, radius});
+    } else {
+        const Quaternion turn = quaternion_of(there);
+        tell({there.t[0], there.t[1], there.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius});
     }
-    const size_t width = width_of(settings_.senses, flat_);
-    std::fill(out, out + (settings_.senses.neighbours - k) * width, 0.0f);
-    out += (settings_.senses.neighbours - k) * width;
+    if (settings_.senses.intent) {
+        const Rigid goal = base_frame(agents_[j], episode.runners[j].goal.data());
+        const Vec3 way = unrotate(own, origin(goal) - origin(bodies.bases[j]));
+        flat_ ? tell({way.x, way.y}) : tell({way.x, way.y, way.z});
+    }
 }
 
 // Metres to the first surface on each ray; the range where there is none, and for who is gone.
