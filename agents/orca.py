@@ -115,8 +115,11 @@ class Orca(Seeing):
         actions = view.toward(points)  # of joints, of turns, and of who is there or nearly
         far = np.sqrt(((goals - q)[..., :2] ** 2).sum(axis=-1)) > NEARLY
         for i, robot in enumerate(view.robots):
-            own = followed(robot, q[:, i, 2], found[:, i], view.dt)
-            n = 2 if isinstance(base_of(robot), Holonomic) else own.shape[1]
+            yaw, sideways = q[:, i, 2], isinstance(base_of(robot), Holonomic)
+            if sideways:  # it turns as it goes: the chord of its way has the yaw half way
+                yaw = yaw + 0.5 * view.dt * robot.actions[2].high * actions[:, i, 2]
+            own = followed(robot, yaw, found[:, i], view.dt)
+            n = 2 if sideways else own.shape[1]
             actions[:, i, :n] = np.where(far[:, i, None], own[:, :n], actions[:, i, :n])
         return actions
 

@@ -185,6 +185,25 @@ def test_it_acts_wherever_bases_are_planar(name: str) -> None:
     assert (simulator.travelled > 0).any()
 
 
+def test_a_base_that_turns_as_it_goes_goes_where_it_wants() -> None:
+    """It went astray by half of what it turned in a step, up to 0.1 rad."""
+    scenario = Scenario.load("random", n=1, fill=0.0, drive="holonomic")
+    simulator = Simulator(scenario)
+    simulator.reset()
+    policy = Orca()
+    policy.reset(View(simulator))
+    simulator.place(0, 0, [-2.0, -1.0, 2.5], [2.0, 1.0, 0.0])
+    turned = 0.0
+    for _ in range(20):
+        before = simulator.configurations[0, 0]
+        to = simulator.goals[0, 0] - before
+        simulator.step(policy.act(simulator.observe()))
+        by = simulator.configurations[0, 0] - before
+        turned += abs(by[2])
+        assert math.atan2(by[1], by[0]) == pytest.approx(math.atan2(to[1], to[0]), abs=1e-6)
+    assert turned > 1.0
+
+
 def test_who_is_gone_hides_no_wall() -> None:
     """Robots vanish at their goals; a wall beside one is seen through where it stood."""
     scenario = Scenario.load("random", n=2, seed=0, at_goal="vanish")
