@@ -9,7 +9,7 @@ import pytest
 
 from fgenv import cli
 from fgenv.agents.named import shipped
-from fgenv.bench.policies import Trial, chosen, record, trials
+from fgenv.bench.policies import Trial, chosen, record, run, trials
 
 
 def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
@@ -17,8 +17,9 @@ def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
     assert set(shipped()) <= named
     for trial in chosen("shipped"):
         own = (f"mlp:{trial.policy}", f"safe:mlp:{trial.policy}")
-        guided = ("orca:shortest",) if trial.scenario == "random" else ()
-        assert trial.policies == ("orca", *guided, *own)
+        guided = ("orca:shortest",) if trial.scenario not in ("swap", "forest") else ()
+        base = "goto" if trial.scenario == "forest" else "orca"
+        assert trial.policies == (base, *guided, *own)
     assert len({trial.name for trial in trials()}) == len(list(trials()))
 
 
@@ -30,6 +31,12 @@ def test_more_than_orca_is_wanted_only_where_it_is_said() -> None:
     for above, goal in ((0.0, 0.9), (0.2, 1.0)):
         told = record(Trial("a", "swap", {}, "mine", 0.9, above), "mine", found)
         assert (told["goal"], told["met"]) == (goal, goal <= 0.97)
+
+
+def test_drones_are_compared_with_who_flies_straight() -> None:
+    rows = run(chosen("forest 6")[0], 2, 1)
+    assert [row["policy"] for row in rows][:1] == ["goto"]
+    assert rows[0]["met"] is None
 
 
 def score(share: float) -> Namespace:
