@@ -160,25 +160,22 @@ def test_paths_lead_around_who_has_parked():
 
 
 def test_who_would_shut_the_door_waits_until_the_other_is_through():
+    policy = policy_of("orca:shortest")
     scenario = Scenario.load("doorway", n=2, drive="holonomic")
-    simulator = Simulator(scenario, observation=HINT, autoreset=False)
+    simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
     simulator.reset()
-    through, before_it = [[-2.0, 0.0, 0.0], [2.0, 1.0, 0.0]], [[2.0, -1.0, 0.0], [-0.4, 0.0, 0.0]]
-    simulator.place(0, 0, *through)
-    simulator.place(0, 1, *before_it)
-    rest = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
-    told = []
+    simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 1.0, 0.0])
+    waiting = [2.0, -1.0, 0.7]
+    simulator.place(0, 1, waiting, [-0.4, 0.0, 0.0])
+    policy.reset(View(simulator))
+    hint = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
+    rows = simulator.observe()
     while simulator.status[0, 0] == MOVING:
-        hints = simulator.observe()[0, :, rest]
-        told.append(np.linalg.norm(hints, axis=1))
-        q = simulator.configurations
-        q[0, :, :2] += hints  # both look along x
-        simulator.step(simulator.toward(q))
-    told = np.array(told)
-    assert (told[:-1, 0] > 0.1).all()
-    assert (told[:, 1] == 0.0).all()
-    assert np.linalg.norm(simulator.observe()[0, 1, rest]) == pytest.approx(0.5, abs=0.1)
-    assert (simulator.configurations[0, 1] == before_it[0]).all()
+        assert np.linalg.norm(rows[0, 0, hint]) > 0.1
+        assert (rows[0, 1, hint] == 0.0).all()
+        rows = simulator.step(policy.act(rows)).observations
+    np.testing.assert_allclose(simulator.configurations[0, 1], waiting, atol=1e-6)
+    assert np.linalg.norm(rows[0, 1, hint]) > 0.1
 
 
 @pytest.mark.parametrize("n", [2, 3])
