@@ -14,30 +14,41 @@ from fgenv.scenarios import frozen
 
 # Of the first 12 cases of a set of `fgenv bench policies`: successes, and steps of the longest
 KNOWN = {
-    "swap 4 jittered holonomic": (12, 52),
-    "swap 8 jittered holonomic": (12, 50),
-    "swap 8 symmetric holonomic": (12, 49),
-    "swap 12 jittered holonomic": (12, 61),
-    "swap 12 symmetric holonomic": (12, 59),
-    "swap 20 jittered holonomic": (11, 600),
-    "swap 20 symmetric holonomic": (12, 106),
+    "swap 4 jittered holonomic": (12, 56),
+    "swap 8 jittered holonomic": (12, 58),
+    "swap 8 symmetric holonomic": (12, 57),
+    "swap 12 jittered holonomic": (12, 66),
+    "swap 12 symmetric holonomic": (12, 64),
+    "swap 20 jittered holonomic": (12, 119),
+    "swap 20 symmetric holonomic": (12, 117),
     "long 4 holonomic": (12, 48),
     "long 8 holonomic": (12, 79),
     "l 4 holonomic": (12, 50),
     "l 8 holonomic": (12, 70),
-    "random 10 holonomic": (12, 340),
-    "random 20 holonomic": (9, 600),
-    "swap 4 jittered differential": (12, 82),
-    "swap 8 jittered differential": (12, 95),
-    "swap 8 symmetric differential": (12, 92),
-    "swap 12 jittered differential": (12, 106),
-    "swap 12 symmetric differential": (12, 101),
-    "swap 20 jittered differential": (9, 600),
-    "swap 20 symmetric differential": (12, 218),
-    "long 4 differential": (12, 70),
-    "long 8 differential": (0, 600),
-    "random 10 differential": (9, 600),
-    "random 20 differential": (5, 600),
+    "doorway 4 holonomic": (11, 600),
+    "doorway 8 holonomic": (9, 600),
+    "intersection 4 holonomic": (11, 600),
+    "intersection 8 holonomic": (1, 600),
+    "random 10 holonomic": (12, 398),
+    "random 20 holonomic": (12, 396),
+    "swap 4 jittered differential": (12, 67),
+    "swap 8 jittered differential": (12, 93),
+    "swap 8 symmetric differential": (12, 91),
+    "swap 12 jittered differential": (12, 105),
+    "swap 12 symmetric differential": (12, 105),
+    "swap 20 jittered differential": (12, 152),
+    "swap 20 symmetric differential": (12, 150),
+    "long 4 differential": (12, 82),
+    "long 8 differential": (12, 222),
+    "l 4 differential": (12, 77),
+    "l 8 differential": (0, 600),
+    "doorway 4 differential": (9, 600),
+    "doorway 8 differential": (2, 600),
+    "intersection 4 differential": (5, 600),
+    "intersection 8 differential": (0, 600),
+    "random 10 differential": (12, 375),
+    "random 20 differential": (8, 600),
+    "forest 6": (5, 600),
 }
 
 
@@ -58,7 +69,7 @@ def marked(name: str) -> Any:
     return pytest.param(name, marks=[pytest.mark.slow] if name.startswith("random 20") else [])
 
 
-@pytest.mark.parametrize("name", map(marked, KNOWN))
+@pytest.mark.parametrize("name", [marked(name) for name in KNOWN])
 def test_scores_are_as_told(name: str) -> None:
     (trial,) = (trial for trial in chosen("shipped") if trial.name == name)
     cases = frozen(trial.scenario, cases=12, **trial.overrides)
