@@ -178,6 +178,44 @@ def test_who_would_shut_the_door_waits_until_the_other_is_through():
     assert np.linalg.norm(rows[0, 1, hint]) > 0.1
 
 
+WEST, EAST = [-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]  # of the door
+
+
+@pytest.mark.parametrize(
+    ("ways", "waiting"),
+    [
+        ([(WEST, [0.4, 0.0, 0.0]), (EAST, [-0.4, 0.0, 0.0])], {0}),  # each would shut the other's
+        ([(WEST, [2.2, 1.0, 0.0]), ([2.2, 1.2, 0.0], [-2.0, 1.0, 0.0])], {0}),  # that stands there
+        ([(WEST, EAST), (EAST, WEST)], set()),  # who waits would stand where the other is to park
+        ([(WEST, [1.0, 1.0, 0.0]), (EAST, [-1.0, 1.0, 0.0])], set()),
+    ],
+)
+def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
+    simulator = Simulator(Scenario.load("doorway", n=2, drive="holonomic"), observation=HINT)
+    simulator.reset()
+    for i, (start, goal) in enumerate(ways):
+        simulator.place(0, i, start, goal)
+    paths = simulator._guide.paths(0)
+    assert {i for i, path in paths.items() if (path[0] == path[-1]).all()} == waiting
+
+
+def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():
+    simulator = Simulator("intersection", n=2, drive="holonomic", observation=HINT)
+    simulator.reset()
+    guide, at = simulator._guide, np.array([1.0, -0.5, 0.4])
+    grid = guide._grid(0, 0, 0)
+    _, closed = guide._takes(0, grid, 1, at, room=True)
+    centres, radius = guide._discs[0]
+    assert len(centres) > 1
+    for layer, a, b in np.ndindex(closed.shape):
+        q = [grid.axis(0)[a], grid.axis(1)[b], layer * math.pi / 4]
+        mine, other = (
+            [(x + c * math.cos(t), y + c * math.sin(t)) for c in centres] for x, y, t in (q, at)
+        )
+        far = min(math.dist(p, o) for p in mine for o in other)
+        assert closed[layer, a, b] == (far < 2 * radius)
+
+
 @pytest.mark.parametrize("n", [2, 3])
 def test_those_who_change_places_do_not_wait_for_each_other(n):
     scenario = Scenario.load("random", n=n, fill=0.0, drive="holonomic")
