@@ -154,9 +154,10 @@ def test_the_most_special_recipe_is_taken() -> None:
     assert recipe_of("swap", {"n": 4, "drive": "holonomic"}) == recipe_of(
         "swap", {"drive": "holonomic"}
     )
-    assert recipe_of("swap", {"drive": "holonomic"}).near < recipe_of("swap").near
-    crowd = recipe_of("swap", {"drive": "holonomic"})
-    assert recipe_of("swap", {"drive": "holonomic", "body": "long"}).steps > crowd.steps
+    bars = recipe_of("swap", {"body": "long"})
+    assert recipe_of("swap", {"body": "long", "drive": "holonomic"}).near < bars.near
+    assert recipe_of("swap", {"body": "l"}).near < bars.near
+    assert recipe_of("swap", {"body": "l", "drive": "differential"}) == bars
     assert recipe_of("mine.yaml", {"n": 4}) == recipe_of("other")
 
 
