@@ -10,7 +10,6 @@ from fgenv import _core
 from fgenv.envs import View
 from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Car, Drive, Holonomic, MobileManipulator, Robot
-from fgenv.robots.limits import reaches
 
 OFF_COURSE = 1.2  # rad: farther off, a differential drive turns on the spot
 CREEP = 0.3  # of its speed, what a car goes at least
@@ -19,18 +18,6 @@ CREEP = 0.3  # of its speed, what a car goes at least
 def base_of(robot: Robot) -> Drive | None:
     """The drive of its base."""
     return robot.drive.platform if isinstance(robot.drive, MobileManipulator) else robot.drive
-
-
-def enclosing(robot: Robot) -> float:
-    """Radius of the disc about a planar base's origin that encloses the robot, metres."""
-    root, *others = robot.links
-    if any(link.shapes for link in others):
-        return float(reaches(robot)[robot.root])
-    found = [0.0]
-    for part in root.shapes:
-        points = part.shape.vertices @ part.origin[:2, :3].T + part.origin[:2, 3]
-        found.append(float((points[:, 0] ** 2 + points[:, 1] ** 2).max()))
-    return math.sqrt(max(found))
 
 
 def followed(robot: Robot, yaw: Floats, v: Floats, dt: float) -> Floats:

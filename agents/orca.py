@@ -9,12 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv import _core
-from fgenv.agents.following import base_of, enclosing, followed, targets
+from fgenv.agents.following import base_of, followed, targets
 from fgenv.agents.rays import Lidar
 from fgenv.agents.seeing import Seeing
 from fgenv.envs import Observation, View
 from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Holonomic, Robot
+from fgenv.robots.footprint import enclosing
 
 GUIDED = Observation(
     path_hint=True, path="shortest", look_ahead=0.4, rays=72, lidar_range=2.0, pad=True

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from robots import random_tree
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -15,6 +16,8 @@ from fgenv import _core
 from fgenv.agents import policy_of
 from fgenv.envs import Observation, Simulator, View
 from fgenv.envs.readings import MOVING, PARKED
+from fgenv.robots.footprint import discs_of, footprint
+from fgenv.robots.limits import reaches
 from fgenv.scenarios import Scenario
 
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
@@ -197,6 +200,38 @@ def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
         simulator.place(0, i, start, goal)
     paths = simulator._guide.paths(0)
     assert {i for i, path in paths.items() if (path[0] == path[-1]).all()} == waiting
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "row"),
+    [
+        ("intersection", {}, True),
+        ("swap", {"body": "long"}, True),
+        ("swap", {"body": "l"}, False),
+        ("doorway", {}, False),
+        ("warehouse", {}, True),
+    ],
+)
+def test_discs_hold_the_robot(name, given, row):
+    robot = Scenario.load(name, n=2, **given).build().robots[0]
+    centres, radius = discs_of(robot)
+    assert (len(centres) > 1) == row
+    points = footprint(robot)
+    far = np.hypot(points[:, :1] - centres, points[:, 1:])
+    assert far.min(axis=1).max() <= radius + 1e-9
+
+
+def test_one_disc_holds_all_links_of_an_arm_on_wheels(monkeypatch):
+    base = np.array([[-2.0, -0.5], [2.0, -0.5], [2.0, 0.5], [-2.0, 0.5]])
+    monkeypatch.setattr("fgenv.robots.footprint.footprint", lambda robot: base)
+    rng = np.random.default_rng(0)
+    trees = [random_tree(rng, "planar") for _ in range(20)]
+    arms = [robot for robot in trees if any(link.shapes for link in robot.links[1:])]
+    assert len(arms) > 10
+    for robot in arms:
+        centres, radius = discs_of(robot)
+        assert centres.tolist() == [0.0]
+        assert radius == reaches(robot)[robot.root]
 
 
 def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():

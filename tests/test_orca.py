@@ -12,8 +12,8 @@ from scipy.optimize import minimize
 from fgenv import _core
 from fgenv.agents import Orca, policy_of, run_episode
 from fgenv.agents.episodes import run_cases
-from fgenv.agents.following import enclosing
 from fgenv.envs import Simulator, View
+from fgenv.robots.footprint import enclosing
 from fgenv.scenarios import Scenario, frozen
 
 HORIZON, DT = 2.0, 0.1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fgenv import _core
 from fgenv.collision import World
-from fgenv.robots import Robot
+from fgenv.robots.footprint import discs_of, enclosing, is_long, sides_of
 from fgenv.robots.limits import reaches
 
 from .readings import MOVING, PARKED
@@ -26,7 +26,6 @@ Flags = NDArray[np.bool_]
 
 FINE = 1 / 3  # of the radius of a robot's circle: a cell's side
 MOST = 200  # cells along a side of the workspace
-LONG = 1.5  # times as long as wide: who is has to turn with its path
 HEADINGS = 8  # of who has to; others fit in a cell if they do at one of the first half of them
 NARROW, DEAR = 1 / 3, 2.0  # who has less room than that part of half its width pays so many times
 
@@ -83,9 +82,11 @@ class Guide:
         self._simulator = simulator
         self._discs = [discs_of(robot) for robot in simulator.robots]
         self._room = [
-            0.0 if is_long(robot) else float(reaches(robot)[robot.root]) - radius
-            for robot, (_, radius) in zip(simulator.robots, self._discs, strict=True)
+            float(reaches(robot)[robot.root]) - enclosing(robot) if len(centres) == 1 else 0.0
+            for robot, (centres, _) in zip(simulator.robots, self._discs, strict=True)
         ]
+        models = [robot.model for robot in simulator.scenario.robots]
+        self._like = [models.index(model) for model in models]  # the first of the same model
         self._grids: dict[tuple[int, int], Grid] = {}
         self._taken: list[dict[Any, tuple[Flags, Flags]]] = [{} for _ in range(simulator.n_worlds)]
         self._begun: dict[tuple[int, bytes], list[Floats]] = {}
@@ -162,7 +163,7 @@ class Guide:
         """The grid of a robot without what others take of it, parked at (k, 3)."""
         prices = grid.prices.copy()
         for j, place in zip(parked, at, strict=True):
-            key = self._like(i), j, place.tobytes(), room
+            key = self._like[i], j, place.tobytes(), room
             if key not in self._taken[world]:
                 self._taken[world][key] = self._takes(i, grid, j, place, room)
             near, closed = self._taken[world][key]
@@ -189,14 +190,9 @@ class Guide:
         centres, radius = self._discs[i]
         return float(np.abs(centres).max()) + radius
 
-    def _like(self, i: int) -> int:
-        """The first robot of the same model."""
-        models = [robot.model for robot in self._simulator.scenario.robots]
-        return models.index(models[i])
-
     def _grid(self, world: int, case: int, i: int) -> Grid:
         """That of a robot in a case; alike robots share it."""
-        key = case, self._like(i)
+        key = case, self._like[i]
         if key not in self._grids:
             alone = self._simulator.built.world(robots=False)
             cases = self._simulator.cases
@@ -249,44 +245,11 @@ def gap(path: Floats, places: Floats) -> float:
     return math.sqrt(float((by**2).sum(axis=2).min()))
 
 
-def footprint(robot: Robot) -> Floats:
-    """Vertices (k, 2) of a robot's root link in its own frame, metres."""
-    found = [p.shape.vertices @ p.origin[:2, :3].T + p.origin[:2, 3] for p in robot.links[0].shapes]
-    return np.concatenate(found) if found else np.zeros((1, 2))
-
-
-def sides_of(robot: Robot) -> Floats:
-    """Length and width of a robot's root link in its own frame, metres, (2,)."""
-    sides: Floats = np.ptp(footprint(robot), axis=0)
-    return sides
-
-
-def discs_of(robot: Robot) -> tuple[Floats, float]:
-    """Discs that hold a robot: where their centres are ahead of its base, and their radius.
-
-    In a row of who is long, else one about its base; metres.
-    """
-    if is_long(robot):
-        (back, _), (front, _) = (f(footprint(robot), axis=0) for f in (np.min, np.max))
-        width, n = sides_of(robot)[1], math.ceil((front - back) / sides_of(robot)[1])
-        each = (front - back) / n
-        return back + each * (np.arange(n) + 0.5), 0.5 * math.hypot(each, width)
-    if any(link.shapes for link in robot.links[1:]):
-        return np.zeros(1), float(reaches(robot)[robot.root])
-    return np.zeros(1), math.sqrt(float((footprint(robot) ** 2).sum(axis=1).max()))
-
-
 def placed(ahead: Any, at: Floats) -> Floats:
     """Points (k, 2) that are so far ahead of a base at (3,), metres."""
     sine, cosine = _core.sin_cos(at[2:])
     found: Floats = at[:2] + np.multiply.outer(ahead, np.array([cosine[0], sine[0]]))
     return found
-
-
-def is_long(robot: Robot) -> bool:
-    """Whether a robot has to look along its path to get through where it is narrow."""
-    short, long = sorted(sides_of(robot))
-    return bool(long > LONG * short)
 
 
 def nearest_open(grid: Grid, q: Floats) -> Ints:
