@@ -22,7 +22,6 @@ sanitize() {
       ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
       PYTHONMALLOC=malloc PYTHONSAFEPATH=1 \
       .venv-asan/bin/pytest -q -k "not ($skipped)" \
-      tests/test_{bad_input,bad_input_world,edge_cases,feature_graph,fuzz,link_motion,masks}.py \
-      tests/test_{motion,queries,robots,simulator,stopping,frame,world,world_machine}.py \
-      tests/test_world_{robots,threads}.py
+      tests/collision tests/robots/test_{link_motion,robots,world_robots}.py \
+      tests/envs/test_simulator.py tests/view/test_painter.py
 }

@@ -4,29 +4,29 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from fgenv.agents.drive import Drive, drive
-from fgenv.agents.episode import run_episode
-from fgenv.agents.evaluation import Evaluation, evaluate
+from fgenv.agents.evaluation.episode import run_episode
+from fgenv.agents.evaluation.evaluation import Evaluation, evaluate
 from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Replanned
 from fgenv.agents.experiment import Experiment, run_experiment
 from fgenv.agents.facts import facts
-from fgenv.agents.goto import GoTo
-from fgenv.agents.orca import Orca
 from fgenv.agents.path_follower import PathFollower
-from fgenv.agents.policy import POLICIES, policy_of
-from fgenv.agents.policy_file import PolicyError, PolicyFile
-from fgenv.agents.random_policy import RandomPolicy
+from fgenv.agents.policies.file import PolicyError, PolicyFile
+from fgenv.agents.policies.goto import GoTo
+from fgenv.agents.policies.network import Trained
+from fgenv.agents.policies.orca import Orca
+from fgenv.agents.policies.random import RandomPolicy
+from fgenv.agents.policies.rest import Rest
+from fgenv.agents.registry import POLICIES, policy_of
 from fgenv.agents.replan import Journey, drive_and_replan
-from fgenv.agents.rest import Rest
-from fgenv.agents.trained import Trained
 from fgenv.envs import Policy
 
 if TYPE_CHECKING:
-    from fgenv.agents.planned import Planned, PlanWarning
-    from fgenv.agents.replanning import Replanning
-    from fgenv.agents.sb3 import FleetVecEnv
+    from fgenv.agents.policies.plan import Planned, PlanWarning
+    from fgenv.agents.policies.replan import Replanning
+    from fgenv.agents.training.vec_env import FleetVecEnv
 
 # By module; imported when first asked for: they bring OMPL along.
-LATER = {"planned": ("PlanWarning", "Planned"), "replanning": ("Replanning",)}
+LATER = {"policies.plan": ("PlanWarning", "Planned"), "policies.replan": ("Replanning",)}
 
 __all__ = [
     "POLICIES",
@@ -70,7 +70,7 @@ def __getattr__(name: str) -> Any:
     if name != "FleetVecEnv":
         raise AttributeError(f"module 'fgenv.agents' has no attribute {name!r}")
     try:
-        from fgenv.agents.sb3 import FleetVecEnv
+        from fgenv.agents.training.vec_env import FleetVecEnv
     except ModuleNotFoundError as error:
         if error.name != "stable_baselines3":
             raise

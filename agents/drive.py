@@ -10,7 +10,7 @@ from fgenv.agents.path_follower import PathFollower
 from fgenv.collision import contact
 from fgenv.collision.world import TOLERANCE
 from fgenv.scenarios import Scene
-from fgenv.scenarios.planar import Floats, as_path, reach
+from fgenv.scenarios.se2 import Floats, as_path, reach
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from fgenv.collision import Contact
 from fgenv.planners import PlanarPlan, Proof
-from fgenv.scenarios.planar import Floats
+from fgenv.scenarios.se2 import Floats
 
 Configuration = tuple[float, float, float]
 

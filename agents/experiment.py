@@ -10,9 +10,10 @@ from fgenv.agents.drive import Drive
 from fgenv.agents.events import Report, silent
 from fgenv.agents.path_follower import PathFollower
 from fgenv.agents.replan import Journey, drive_and_replan
-from fgenv.collision import MeshWarning, Shape, collide, published
+from fgenv.collision import MeshWarning, Shape, collide
+from fgenv.paper import method
 from fgenv.scenarios import Scene
-from fgenv.scenarios.planar import reach
+from fgenv.scenarios.se2 import reach
 
 EXPECTED = {"robot": 1, "tank 1": 0, "tank 2": 1, "tank 3": 1}  # masks during the first motion
 HIT = "tank 2"
@@ -75,12 +76,12 @@ def run_experiment(
 def _published(scene: Scene, drive: Drive, step: float) -> Published:
     """The published masks and the published cycle on the same path, at the same steps."""
     nodes = [
-        published.Node(b.id, b.name, b.shape.vertices, b.shape.faces.astype(np.int64), b.pose)
+        method.Node(b.id, b.name, b.shape.vertices, b.shape.faces.astype(np.int64), b.pose)
         for b in scene.records
     ]
     path = drive.masks.path
     on_floor = np.column_stack([path[:, :2], np.zeros(len(path))])
-    published.set_masks(nodes, nodes[0], on_floor)
+    method.set_masks(nodes, nodes[0], on_floor)
     mover, *others = scene.records
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshWarning)  # the scene's own shape has said it
@@ -90,7 +91,7 @@ def _published(scene: Scene, drive: Drive, step: float) -> Published:
     poses = scene.poses(follower.at(ticks))
     first: tuple[float, str | None] = np.inf, None
     for body, node in zip(others, nodes[1:], strict=True):
-        if published.must_test(nodes[0], node):
+        if method.must_test(nodes[0], node):
             hits = np.asarray(collide(loop, poses, body.shape, body.pose))
             if hits.any():
                 first = min(first, (float(ticks[hits.argmax()]), body.name))

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fgenv.scenarios.planar import Floats, as_path, travel
+from fgenv.scenarios.se2 import Floats, as_path, travel
 
 
 class PathFollower:

@@ -9,7 +9,7 @@ from fgenv.agents.events import Replanned, Report, silent
 from fgenv.agents.path_follower import PathFollower
 from fgenv.planners import PlanarChecker, PlanningError, plan_planar, prove_free
 from fgenv.scenarios import Scene
-from fgenv.scenarios.planar import Floats, reach, travel
+from fgenv.scenarios.se2 import Floats, reach, travel
 
 
 @dataclass

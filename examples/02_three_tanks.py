@@ -5,8 +5,8 @@
 
 from fgenv.agents import Hit, Replanned, run_experiment
 from fgenv.agents.events import Event
+from fgenv.paper.figures import collision
 from fgenv.scenarios import three_tanks
-from fgenv.view.figures import collision
 
 scene = three_tanks()  # or three_tanks("my_robot.stl", scale=0.001)
 

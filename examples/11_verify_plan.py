@@ -4,7 +4,7 @@ import numpy as np
 
 import fgenv
 from fgenv.planners import Plan, PlanError
-from fgenv.planners.plans import PLAN
+from fgenv.planners.plan import PLAN
 
 fgenv.plan("doorway", n=2, seed=0, method="composite").save("plan.npz")
 proof = fgenv.verify("plan.npz")

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.agents import POLICIES, Trained, evaluate, run_episode
-from fgenv.agents.recipes import Stage, recipe_of
-from fgenv.agents.training import Training, Wanted
+from fgenv.agents.training.recipes import Stage, recipe_of
+from fgenv.agents.training.training import Training, Wanted
 from fgenv.envs import Simulator, View
 from fgenv.scenarios import frozen
 

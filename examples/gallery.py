@@ -19,15 +19,16 @@ from fgenv.agents import run_episode
 from fgenv.collision import Shape
 from fgenv.collision.world import Record as Body
 from fgenv.envs import Record
-from fgenv.view import Camera, Floor, Picture, Solid, figures
-from fgenv.view.camera import box_corners, overview
+from fgenv.paper import figures
+from fgenv.view import Camera, Floor, Picture, Solid
 from fgenv.view.episodes import driven, load_episode
-from fgenv.view.fewer import small
-from fgenv.view.fleet import FleetPainter
-from fgenv.view.frames import frames_of
-from fgenv.view.palette import BLUE, GREEN, INK, ORANGE, STEEL, VERMILION
-from fgenv.view.plots import plot
-from fgenv.view.stage import outline, placed, stage
+from fgenv.view.figures.camera import box_corners, overview
+from fgenv.view.figures.episode_frames import frames_of
+from fgenv.view.figures.fleet_painter import FleetPainter
+from fgenv.view.figures.palette import BLUE, GREEN, INK, ORANGE, STEEL, VERMILION
+from fgenv.view.figures.plots import plot
+from fgenv.view.figures.quantize import small
+from fgenv.view.figures.scene import outline, placed, stage
 
 SIZE = 480, 360
 Floats = NDArray[np.float64]

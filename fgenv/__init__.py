@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from fgenv.envs.aec import env as env
     from fgenv.envs.parallel import parallel_env as parallel_env
     from fgenv.planners.methods import plan as plan
-    from fgenv.planners.plans import verify as verify
+    from fgenv.planners.plan import verify as verify
 
 __version__ = "0.1.0"
 

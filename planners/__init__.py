@@ -7,28 +7,28 @@ from typing import TYPE_CHECKING, Any
 
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.planar import PlanarChecker, plan_planar
+from fgenv.planners.planar_rrt import PlanarPlan, rrt_connect
 from fgenv.planners.proof import Proof, prove_free
-from fgenv.planners.rrt_connect import PlanarPlan, rrt_connect
 
 if TYPE_CHECKING:
     from fgenv.planners.certificate import Certificate, certify
     from fgenv.planners.methods import METHODS, plan
-    from fgenv.planners.plans import Plan, PlanError, verify
-    from fgenv.planners.plugin import MotionValidator, Setup, StateValidityChecker, setup
+    from fgenv.planners.multi.composite import PLANNERS, Graph, Route, composite
+    from fgenv.planners.ompl.plugin import MotionValidator, Setup, StateValidityChecker, setup
+    from fgenv.planners.ompl.spaces import Layout, space_of
+    from fgenv.planners.plan import Plan, PlanError, verify
     from fgenv.planners.problem import Problem
-    from fgenv.planners.solve import PLANNERS, Graph, Route, composite
-    from fgenv.planners.spaces import Layout, space_of
     from fgenv.planners.steering import Steering, legs
 
 # By module; imported when first asked for: some bring OMPL along, which takes a while.
 LATER = {
     "certificate": ("Certificate", "certify"),
     "methods": ("METHODS", "plan"),
-    "plans": ("Plan", "PlanError", "verify"),
-    "plugin": ("MotionValidator", "Setup", "StateValidityChecker", "setup"),
+    "plan": ("Plan", "PlanError", "verify"),
+    "ompl.plugin": ("MotionValidator", "Setup", "StateValidityChecker", "setup"),
     "problem": ("Problem",),
-    "solve": ("PLANNERS", "Graph", "Route", "composite"),
-    "spaces": ("Layout", "space_of"),
+    "multi.composite": ("PLANNERS", "Graph", "Route", "composite"),
+    "ompl.spaces": ("Layout", "space_of"),
     "steering": ("Steering", "legs"),
 }
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.robots import Robot
-from fgenv.robots.driving import actions_between, left_over
+from fgenv.robots.inverse_drive import actions_between, left_over
 
 if TYPE_CHECKING:
     from .problem import Problem

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.scenarios import Scenario
-from fgenv.scenarios.trouble import near
+from fgenv.scenarios.errors import near
 
 from .certificate import certify
 from .errors import PlanningError
 from .limits import wrong_with
-from .plans import Plan, padded
+from .plan import Plan, padded
 from .problem import Problem
 from .timing import steps_together
 
@@ -108,7 +108,7 @@ SHARE = 0.85  # of the time, for robots one by one before some are taken togethe
 
 def by_composite(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
     """One search in the joint space of all robots."""
-    from .solve import composite
+    from fgenv.planners.multi.composite import composite
 
     route = composite(problem, time_limit=time_limit, **options)
     return steps_together(problem.models, route.paths, problem.dt), route.paths, dict(route.facts)
@@ -119,8 +119,8 @@ def by_prioritized(problem: Problem, time_limit: float, options: dict[str, Any])
 
     Who finds none then joins them, until all go together.
     """
-    from .many import Tables
-    from .prioritized import prioritized
+    from fgenv.planners.multi.prioritized import prioritized
+    from fgenv.planners.multi.roadmap_set import Tables
 
     end = time.monotonic() + time_limit
     together: set[int] = set()
@@ -144,7 +144,7 @@ def by_prioritized(problem: Problem, time_limit: float, options: dict[str, Any])
 
 def by_conflicts(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
     """Conflict-based search; robots that stay in each other's way are planned together."""
-    from .conflict_based import conflict_based
+    from fgenv.planners.multi.conflict_based import conflict_based
 
     def knot(group: tuple[int, ...], limit: float) -> Sequence[Floats]:
         return _joint(problem, group, limit, options)
@@ -157,7 +157,7 @@ def _joint(
     problem: Problem, group: Iterable[int], time_limit: float, options: dict[str, Any]
 ) -> list[Floats]:
     """Timed paths of some robots in their joint space, as if there were no others."""
-    from .solve import composite
+    from fgenv.planners.multi.composite import composite
 
     which = sorted(group)
     world = problem.alone(*which)

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.collision import World
 from fgenv.collision.world import MotionResult
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.rrt_connect import PlanarPlan, rrt_connect
+from fgenv.planners.planar_rrt import PlanarPlan, rrt_connect
 from fgenv.scenarios import bounds as bounds_of
 from fgenv.scenarios import in_contact
-from fgenv.scenarios.planar import Floats, as_path, as_poses, reach
+from fgenv.scenarios.se2 import Floats, as_path, as_poses, reach
 
 
 class PlanarChecker:

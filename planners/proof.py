@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fgenv.planners.planar import PlanarChecker
-from fgenv.scenarios.planar import Floats, as_path, reach, refine
+from fgenv.scenarios.se2 import Floats, as_path, reach, refine
 
 ROOM = 1e-4  # metres that the clearance is found to
 LOOK = 0.02  # metres between the places where it is looked for

@@ -29,7 +29,7 @@ from fgenv.robots import (
     MobileManipulator,
     Robot,
 )
-from fgenv.robots.driving import changes
+from fgenv.robots.inverse_drive import changes
 
 from .errors import PlanningError
 from .steering import platform

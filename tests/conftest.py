@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
-from shell import Shell
+from support.shell import Shell
 
 os.environ["FGENV_VIEW_PORT"] = "0"  # any that is free
 settings.register_profile(

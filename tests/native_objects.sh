@@ -15,11 +15,11 @@ compile() { # compile NAME SOURCE FLAGS...: once, until a source is newer
 compile_core() { # compile_core FLAGS...: each kernel once for each instruction set, as the module has them
   local source name isa march isas=(baseline)
   [ "$(uname -m)" = x86_64 ] && isas+=(v3)
-  for source in fgenv/native/*.cpp; do
+  for source in fgenv/native/*/*.cpp; do
     name=$(basename "$source" .cpp)
-    case $name in
-      arrays | bind_* | configurations | parallel) ;; # the boundary
-      kernel_*)
+    case ${source#fgenv/native/} in
+      bind/*) ;; # the boundary
+      */kernel_*)
         for isa in "${isas[@]}"; do
           march=()
           [ "$isa" = v3 ] && march=(-march=x86-64-v3)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from robots import urdf
+from support.robots import urdf
 
-from fgenv.bench.data import folder
+from fgenv.bench.common.meshes import folder
 from fgenv.metrics import Results
 
 PANDA = "panda_description/urdf/panda.urdf"

@@ -1,1 +1,1 @@
-"""Policies that come along: `mlp:NAME` is NAME.npz here; each tells the command that made it."""
+"""Policies of the robots, a file each."""

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.catalogue import GYM, ROBOTS, TOOLBOX, Pair, Source
-from fgenv.bench.data import Mesh
-from fgenv.bench.poses import Poses, random_poses, random_rotations
-from fgenv.bench.timing import each_call
-from fgenv.bench.truth import Truth
+from fgenv.bench.common.meshes import Mesh
+from fgenv.bench.common.poses import Poses, random_poses, random_rotations
+from fgenv.bench.common.timing import each_call
+from fgenv.bench.common.truth import Truth
+from fgenv.bench.pairs.catalog import GYM, ROBOTS, TOOLBOX, Pair, Source
 from fgenv.collision import Shape, collide
-from fgenv.collision.baselines import BASELINES, Baseline
+from fgenv.paper.baselines import BASELINES, Baseline
 
 BLOCK = 20  # poses that a method is timed on before the next one's turn
 KITCHEN = "kitchen_franka/kitchen_assets/meshes"

@@ -64,13 +64,13 @@ def bench(
     """
     from rich.console import Console
 
-    from fgenv.bench.catalogue import chosen
-    from fgenv.bench.pairs import bench_pairs, machine, summary
+    from fgenv.bench.common.ratios import of_pairs
+    from fgenv.bench.pairs.catalog import chosen
+    from fgenv.bench.pairs.report import NOTE, peer_table, plot_times, ratio_table
+    from fgenv.bench.pairs.run import bench_pairs, machine, summary
     from fgenv.bench.peers import peer, selected
-    from fgenv.bench.ratios import of_pairs
-    from fgenv.bench.report import NOTE, peer_table, plot_times, ratio_table
-    from fgenv.view import bars
-    from fgenv.view.canvas import checked
+    from fgenv.view.figures import bars
+    from fgenv.view.figures.canvas import checked
 
     console = Console(stderr=as_json)
     chosen(which)  # a wrong name is told before anything is printed

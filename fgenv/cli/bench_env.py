@@ -27,12 +27,12 @@ def env(
     """
     from rich.console import Console
 
+    from fgenv.bench.common.ratios import of_rates
     from fgenv.bench.env.peers import peers, versions
     from fgenv.bench.env.run import bench_env
-    from fgenv.bench.pairs import machine, summary
-    from fgenv.bench.ratios import of_rates
-    from fgenv.view import bars
-    from fgenv.view.canvas import checked
+    from fgenv.bench.pairs.run import machine, summary
+    from fgenv.view.figures import bars
+    from fgenv.view.figures.canvas import checked
 
     if plot is not None:
         checked(plot, "--plot")

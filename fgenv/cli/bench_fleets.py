@@ -28,10 +28,10 @@ def fleets(
     from fgenv.bench.fleets.report import NOTE, table_of
     from fgenv.bench.fleets.run import bench_fleets
     from fgenv.bench.fleets.sets import chosen
-    from fgenv.bench.pairs import machine
+    from fgenv.bench.pairs.run import machine
     from fgenv.confidence import rate
-    from fgenv.view import shares
-    from fgenv.view.canvas import checked
+    from fgenv.view.figures import interval_plot
+    from fgenv.view.figures.canvas import checked
 
     if plot is not None:
         checked(plot, "--plot")
@@ -54,6 +54,6 @@ def fleets(
             found: dict[str, dict[str, Any]] = {}
             for r in done:
                 found.setdefault(r["fleet"], {})[r["method"]] = rate(r["solved"], r["cases"])
-            shares.draw(found, "solved, of cases", plot)
+            interval_plot.draw(found, "solved, of cases", plot)
         if as_json:
             typer.echo(json.dumps({"machine": about, "cases": cases, "rows": done}, indent=1))

@@ -66,11 +66,11 @@ def planners(
 
     from rich.console import Console
 
-    from fgenv.bench.pairs import machine
+    from fgenv.bench.common.ratios import of_problems
+    from fgenv.bench.pairs.run import machine
     from fgenv.bench.planners.run import Wanted, bench_planners
-    from fgenv.bench.ratios import of_problems
-    from fgenv.view import bars
-    from fgenv.view.canvas import checked
+    from fgenv.view.figures import bars
+    from fgenv.view.figures.canvas import checked
 
     if plot is not None:
         checked(plot, "--plot")

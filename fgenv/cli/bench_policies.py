@@ -33,9 +33,9 @@ def policies(
     from rich.console import Console
     from rich.table import Table
 
-    from fgenv.bench.policies import chosen, run
-    from fgenv.view import shares
-    from fgenv.view.canvas import checked
+    from fgenv.bench.policies.run import chosen, run
+    from fgenv.view.figures import interval_plot
+    from fgenv.view.figures.canvas import checked
 
     if plot is not None:
         checked(plot, "--plot")
@@ -64,7 +64,7 @@ def policies(
                 name = r["policy"]
                 kind = name if name.startswith("orca") else name.rpartition(":")[0]
                 found.setdefault(r["set"], {})[kind] = r["success"]
-            shares.draw(found, "success, of episodes", plot)
+            interval_plot.draw(found, "success, of episodes", plot)
         if as_json:
             typer.echo(json.dumps({"cases": cases, "rows": done}, indent=1))
 

@@ -25,11 +25,11 @@ def train(
     from rich.console import Console
     from rich.table import Table
 
-    from fgenv.bench.pairs import machine
-    from fgenv.bench.ratios import of_training
-    from fgenv.bench.train import bench_train
-    from fgenv.view import bars
-    from fgenv.view.canvas import checked
+    from fgenv.bench.common.ratios import of_training
+    from fgenv.bench.pairs.run import machine
+    from fgenv.bench.train.run import bench_train
+    from fgenv.view.figures import bars
+    from fgenv.view.figures.canvas import checked
 
     if plot is not None:
         checked(plot, "--plot")

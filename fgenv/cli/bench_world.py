@@ -35,12 +35,12 @@ def world(
 
     from rich.console import Console
 
-    from fgenv.bench.pairs import machine
-    from fgenv.bench.ratios import of_steps
+    from fgenv.bench.common.ratios import of_steps
+    from fgenv.bench.pairs.run import machine
     from fgenv.bench.world import report
     from fgenv.bench.world.run import bench_world
-    from fgenv.view import bars
-    from fgenv.view.canvas import checked
+    from fgenv.view.figures import bars
+    from fgenv.view.figures.canvas import checked
 
     for option, path in (("--plot", plot), ("--curves", curves)):
         if path is not None:

@@ -44,7 +44,7 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
     from rich.console import Console
 
     from fgenv.agents import policy_of
-    from fgenv.cli.outcome import facts, tell
+    from fgenv.cli.episode_report import facts, tell
     from fgenv.metrics import Results
 
     console = Console(stderr=as_json, highlight=False)
@@ -97,7 +97,7 @@ def following(policy: Any) -> dict[str, Any]:
 
 def targets(wanted: Wanted) -> None:
     """What would only be told after the run is told now: files that cannot be written."""
-    from fgenv.view.movie import frame_seconds
+    from fgenv.view.figures.movie import frame_seconds
 
     if wanted.record is not None and wanted.record.suffix != ".npz":
         raise ValueError(f"--record: {wanted.record}, wanted a name that ends in .npz")
@@ -125,7 +125,7 @@ def simulator_of(context: typer.Context, wanted: Wanted, policy: Any) -> Simulat
     name, overrides = wanted.scenario, dict(wanted.overrides)
     of_file = is_file(name) or Path(name).suffix == ".npz"
     if not of_file and name not in ENTRIES:
-        from fgenv.scenarios.trouble import near
+        from fgenv.scenarios.errors import near
 
         told = f"{name!r} is no built-in scenario; {near(name, ENTRIES)} (a file ends in .yaml)"
         raise typer.BadParameter(told, ctx=context, param_hint="SCENARIO")

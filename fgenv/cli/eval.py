@@ -16,7 +16,7 @@ from fgenv.cli.scenarios import given, target
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fgenv.agents.evaluation import Evaluation
+    from fgenv.agents.evaluation.evaluation import Evaluation
     from fgenv.scenarios import FrozenSet
 
 
@@ -61,9 +61,9 @@ def evaluate(
     """
     from rich.console import Console
 
-    from fgenv.agents.evaluation import Evaluation
-    from fgenv.agents.policy import policy_of
-    from fgenv.cli.scores import csv_of, facts, tell
+    from fgenv.agents.evaluation.evaluation import Evaluation
+    from fgenv.agents.registry import policy_of
+    from fgenv.cli.scores_report import csv_of, facts, tell
 
     console = Console(stderr=as_json, highlight=False)
     writable(csv, plot)
@@ -81,7 +81,7 @@ def evaluate(
         csv.write_text(csv_of(result), encoding="utf-8")
         written.append(str(csv))
     if plot is not None and result.done:
-        from fgenv.view.scores import draw
+        from fgenv.view.figures.score_plot import draw
 
         draw(result.scores, document["name"], plot)
         written.append(str(plot))
@@ -118,7 +118,7 @@ def set_of(
 
 def run(result: Evaluation, seed: int, jobs: int, console: Console) -> bool:
     """Fill it, with progress; whether it was interrupted."""
-    from fgenv.agents.evaluation import units
+    from fgenv.agents.evaluation.evaluation import units
     from fgenv.cli.movie import progress
 
     with progress(console) as bar:
@@ -139,6 +139,6 @@ def writable(csv: Path | None, plot: Path | None) -> None:
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
     if plot is not None:
-        from fgenv.view.canvas import checked
+        from fgenv.view.figures.canvas import checked
 
         checked(plot, "--plot")

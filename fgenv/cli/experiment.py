@@ -24,9 +24,9 @@ def run_published(
     from rich.console import Console
 
     from fgenv.agents import facts, run_experiment
-    from fgenv.cli.account import Account
+    from fgenv.cli.experiment_report import Account
+    from fgenv.paper.figures import FIGURES, draw_figures
     from fgenv.scenarios import three_tanks
-    from fgenv.view.figures import FIGURES, draw_figures
 
     if not 0 < step <= 1:
         raise ValueError(f"--step: got {step}, want metres, above 0 and not above 1")

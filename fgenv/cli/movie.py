@@ -26,8 +26,8 @@ def draw(
     speed: float = 1.0,
 ) -> None:
     """The movie of a record, `speed` times real time; `look` is what `frames_of` takes beside."""
-    from fgenv.view.frames import frames_of, steps_shown
-    from fgenv.view.movie import frame_seconds, write_movie
+    from fgenv.view.figures.episode_frames import frames_of, steps_shown
+    from fgenv.view.figures.movie import frame_seconds, write_movie
 
     seconds = frame_seconds(path, min(fps or MOST_FPS, speed / record.dt))
     steps = steps_shown(record, speed * seconds)

@@ -145,8 +145,8 @@ def scenario_of(
 ) -> Scenario:
     """The scenario meant."""
     from fgenv.scenarios import Scenario
+    from fgenv.scenarios.errors import near
     from fgenv.scenarios.library import ENTRIES
-    from fgenv.scenarios.trouble import near
 
     if name is None:
         raise typer.BadParameter("wanted one, or --mesh", ctx=context, param_hint="SCENARIO")

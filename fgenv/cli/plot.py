@@ -41,9 +41,9 @@ def plot(
     who waits and who passes. learning: shares of success and collisions over
     the steps of a training.
     """
-    from fgenv.view.curves import learning
     from fgenv.view.episodes import load_episode
-    from fgenv.view.plots import plot as draw
+    from fgenv.view.figures.learning_curves import learning
+    from fgenv.view.figures.plots import plot as draw
 
     if not out.parent.is_dir():
         raise ValueError(f"--out: {out}: there is no folder {out.parent}; make it first")

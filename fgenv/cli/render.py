@@ -79,10 +79,10 @@ def render(
 
     from fgenv.cli.movie import MOST_FPS, draw
     from fgenv.view.episodes import load_episode
-    from fgenv.view.frames import frames_of
-    from fgenv.view.movie import frame_seconds
-    from fgenv.view.moving import CAMERAS
-    from fgenv.view.notes import check
+    from fgenv.view.figures.annotations import check
+    from fgenv.view.figures.camera_path import CAMERAS
+    from fgenv.view.figures.episode_frames import frames_of
+    from fgenv.view.figures.movie import frame_seconds
 
     wanted = targets(gif, mp4, png)
     if camera not in CAMERAS:

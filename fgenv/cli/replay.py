@@ -41,7 +41,7 @@ def replay(
     from fgenv.cli.movie import progress
     from fgenv.view.episodes import load_episode
     from fgenv.view.web.replay import write_replay
-    from fgenv.view.web.serving import viser_module
+    from fgenv.view.web.server import viser_module
 
     viser_module()
     path = record.with_suffix(".html") if html is None else html

@@ -25,7 +25,7 @@ def names(incomplete: str) -> list[str]:
 
 def policies(incomplete: str) -> list[str]:
     """Policies, for tab completion."""
-    from fgenv.agents.policy import names
+    from fgenv.agents.registry import names
 
     return [name for name in names() if name.startswith(incomplete)]
 

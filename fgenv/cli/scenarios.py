@@ -45,7 +45,7 @@ def scenarios(
     Case i of an evaluation set is the scenario with seed SEED + i; its id is a hash of all cases.
     """
     from fgenv.scenarios import Scenario
-    from fgenv.scenarios.reading import schema as json_schema
+    from fgenv.scenarios.parse import schema as json_schema
 
     if schema:
         typer.echo(json.dumps(json_schema(), indent=1))
@@ -63,7 +63,7 @@ def scenarios(
     if save is not None:
         scenario.save(save)
     if picture is not None:
-        from fgenv.view.gallery import draw
+        from fgenv.view.figures.gallery import draw
 
         draw(scenario).save(picture, optimize=True)
     _show(name, scenario, [str(path) for path in (save, picture) if path is not None], as_json)
@@ -71,7 +71,7 @@ def scenarios(
 
 def is_file(name: str) -> bool:
     """Whether a scenario's name is that of a file."""
-    from fgenv.scenarios.loading import is_file_name
+    from fgenv.scenarios.load import is_file_name
 
     return is_file_name(name)
 

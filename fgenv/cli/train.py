@@ -18,7 +18,7 @@ from fgenv.cli.scenarios import given
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fgenv.agents.training import Check, Training
+    from fgenv.agents.training.training import Check, Training
 
 
 def train(
@@ -74,8 +74,8 @@ def train(
 
     if algo != "ppo":
         raise ValueError(f"--algo: {algo!r}, wanted ppo")
-    from fgenv.agents.recipes import recipe_of
-    from fgenv.agents.training import Training, Wanted
+    from fgenv.agents.training.recipes import recipe_of
+    from fgenv.agents.training.training import Training, Wanted
 
     console = Console(stderr=as_json, highlight=False)
     overrides = given(n, size, set or [])

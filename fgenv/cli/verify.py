@@ -32,8 +32,8 @@ def verify(
     Exit code 0: proved. 1: not proved, it says which step and who. 2: the file
     is no plan, damaged, or does not fit its own scenario.
     """
-    from fgenv.planners.plans import Plan
-    from fgenv.planners.plans import verify as prove
+    from fgenv.planners.plan import Plan
+    from fgenv.planners.plan import verify as prove
 
     plan = Plan.load(file)
     found = prove(plan, margin)

@@ -8,7 +8,7 @@ Method: Ma Li, Wang Qiang et al., "A collision detection method based on the fea
 objects" (feature points, feature graph, masks), made exact: see README, "How it works".
 """
 
-from .graph import FeatureGraph
+from .feature_graph import FeatureGraph
 from .queries import Contact, Nearest, collide, contact, distance, nearest
 from .shape import MeshWarning, Shape
 from .world import Clearances, MotionResult, RayHits, Record, World

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
 
-from .graph import FeatureGraph, settings
+from .feature_graph import FeatureGraph, settings
 
 IDENTITY = np.eye(4)
 
@@ -78,7 +78,7 @@ class Shape(_core.Shape):
         Raises:
             FileNotFoundError, ValueError: naming the file and the remedy.
         """
-        from .files import read_mesh_file
+        from .mesh_files import read_mesh_file
 
         vertices, faces = read_mesh_file(Path(path), scale)
         label = Path(path).stem if name is None else name

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
 
-from .graph import FeatureGraph
+from .feature_graph import FeatureGraph
 from .shape import Shape
 
 Body = int | str  # a body's id or name

@@ -10,17 +10,17 @@ Importing it registers every built-in scenario with Gymnasium and PettingZoo.
 
 from .aec import FleetAECEnv, env
 from .observations import Observation, Part
-from .others import Policy
 from .parallel import FleetParallelEnv, parallel_env
-from .readings import Collision
+from .policy import Policy
 from .record import Record, RecordError
 from .recorder import Recorder
 from .registration import register
 from .rewards import TERMS, Reward
 from .simulator import Simulator, Step
+from .simulator_view import View
 from .single import FleetEnv
+from .state_readers import Collision
 from .vector import FleetVectorEnv
-from .view import View
 
 __all__ = [
     "TERMS",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .readings import MOVING
 from .simulator import Simulator
+from .state_readers import MOVING
 
 Told = dict[str, Any]
 

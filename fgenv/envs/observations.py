@@ -64,7 +64,7 @@ class Observation:
         pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
             long for any number of them.
         path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
-            planar bases (see `fgenv.envs.guide`).
+            planar bases (see `fgenv.envs.global_planner`).
         look_ahead: of the path hint, metres (of a fixed base: radians of all joints together).
         rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
         lidar_range: metres, of those rays.

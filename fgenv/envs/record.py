@@ -35,8 +35,8 @@ from numpy.typing import NDArray
 
 from fgenv.archive import Archive
 from fgenv.scenarios import Scenario
-from fgenv.scenarios.frozen import text_of
-from fgenv.scenarios.text import moved
+from fgenv.scenarios.frozen_set import text_of
+from fgenv.scenarios.io.yaml_text import moved
 
 if TYPE_CHECKING:
     from .simulator import Simulator
@@ -160,7 +160,7 @@ class Record:
         Raises:
             RecordError: mesh files are others, or the first step that differs, and where.
         """
-        from .replaying import replayed
+        from .record_check import replayed
 
         return replayed(self, threads)
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .readings import GONE
+from .state_readers import GONE
 
 if TYPE_CHECKING:
     from fgenv.view.web.live import Live
@@ -96,7 +96,7 @@ class Renderer:
     """Draws worlds as they are: robots, what stands around, rings where goals are."""
 
     def __init__(self, simulator: Simulator) -> None:
-        from fgenv.view.fleet import FleetPainter
+        from fgenv.view.figures.fleet_painter import FleetPainter
 
         self.simulator = simulator
         self._painter = FleetPainter(simulator.built, far(simulator))

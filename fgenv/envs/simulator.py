@@ -19,12 +19,12 @@ from fgenv import _core
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, FrozenSet, Scenario
 
-from . import assembly
+from . import native_config
 from .cases import Cases, scenario_of
-from .guide import Guide
+from .global_planner import Guide
 from .observations import Observation
-from .readings import MOVING, PARKED, Readings
 from .rewards import TERMS, Reward
+from .state_readers import MOVING, PARKED, Readings
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.float32]
@@ -138,10 +138,10 @@ class Simulator(Readings):
         self._like = self.built.world()
         self._core = _core.Simulator(
             self._like._core,
-            assembly.agents(self._like, self.built, self.cases, self.observation),
+            native_config.agents(self._like, self.built, self.cases, self.observation),
             self._settings,
             self.n_worlds,
-            *assembly.standing(self._like, self.built, self.cases),
+            *native_config.standing(self._like, self.built, self.cases),
         )
         guided = self.observation.path_hint and self.observation.path == "shortest"
         self._guide = Guide(self) if guided else None

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .infos import infos
-from .learner import Learner
 from .parallel import single
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
+from .single_agent import Learner
 from .spaces import action_box, observation_box
 
 Row = NDArray[np.float32]

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv.robots.limits import reaches
 
-from .assembly import drive_of, lidar_of
+from .native_config import drive_of, lidar_of
 from .observations import Part
-from .readings import MOVING
+from .state_readers import MOVING
 
 if TYPE_CHECKING:
     from .simulator import Simulator

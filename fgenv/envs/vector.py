@@ -17,12 +17,12 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from .infos import measured
-from .learner import Flags, Floats, Learner, Rows
 from .parallel import single
-from .readings import MOVING
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, seeds_of
+from .single_agent import Flags, Floats, Learner, Rows
 from .spaces import action_box, observation_box
+from .state_readers import MOVING
 
 Told = dict[str, Any]
 

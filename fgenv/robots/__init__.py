@@ -16,7 +16,7 @@ from .drives import (
     JointVelocity,
     MobileManipulator,
 )
-from .parts import Joint, Link, LinkShape, Mimic
+from .links_joints import Joint, Link, LinkShape, Mimic
 from .robot import LinkMotion, Part, Robot
 
 __all__ = [

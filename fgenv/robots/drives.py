@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fgenv import _core
 
-from .parts import number_of
+from .links_joints import number_of
 
 if TYPE_CHECKING:
     from .robot import Robot

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .parts import LinkShape, locked
+from .links_joints import LinkShape, locked
 
 if TYPE_CHECKING:
     from .robot import Robot

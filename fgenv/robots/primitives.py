@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv import _core
 from fgenv.collision import Shape
 
-from .parts import number_of
+from .links_joints import number_of
 
 ERROR = 1e-3  # metres
 FEWEST_SIDES, MOST_SIDES = 8, 256  # of a cylinder

@@ -14,11 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv import _core
 from fgenv.collision import Shape
 
-from . import limits, touching
+from . import allowed_collisions, limits
 from .drives import Action, Drive
-from .parts import JOINT_KINDS, Joint, Link, LinkShape, Pose, as_pose, locked, name_of, number_of
+from .kinematic_tree import in_order, leader
+from .links_joints import (
+    JOINT_KINDS,
+    Joint,
+    Link,
+    LinkShape,
+    Pose,
+    as_pose,
+    locked,
+    name_of,
+    number_of,
+)
 from .primitives import ERROR
-from .tree import in_order, leader
 
 Floats = NDArray[np.float64]
 
@@ -86,7 +96,7 @@ class Robot:
         put(self, "links", in_order(tuple(self.links), self.joints))
         put(self, "mount", as_pose(self.mount, "mount"))
         put(self, "workspace", limits.checked_workspace(self.workspace, self.base))
-        put(self, "allowed", touching.allowed(self, self.allowed))
+        put(self, "allowed", allowed_collisions.allowed(self, self.allowed))
         _ = self._core  # what is wrong with the joints is told here
         if self.drive is not None:
             if not isinstance(self.drive, Drive):
@@ -357,7 +367,7 @@ class Robot:
     @cached_property
     def allowed_parts(self) -> tuple[tuple[int, int], ...]:
         """Pairs of places in `parts` whose contact is no collision, each pair rising."""
-        return touching.allowed_parts(self)
+        return allowed_collisions.allowed_parts(self)
 
     def contacts(self, q: ArrayLike | None = None) -> tuple[tuple[str, str], ...]:
         """Pairs of links, allowed ones apart, whose shapes touch at a configuration (nq,).
@@ -365,7 +375,7 @@ class Robot:
         At rest if left out. What always touches by design is told to the robot by
         `robot.allowing(robot.contacts())`.
         """
-        return touching.contacts(self, self.rest if q is None else q)
+        return allowed_collisions.contacts(self, self.rest if q is None else q)
 
     def allowing(self, pairs: Iterable[tuple[str, str]]) -> Robot:
         """The same robot, with more pairs of links whose contact is no collision."""

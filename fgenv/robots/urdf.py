@@ -20,10 +20,10 @@ import numpy as np
 
 from fgenv import _core
 from fgenv.collision import Shape
-from fgenv.collision.files import read_mesh_file
+from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
-from .parts import JOINT_KINDS, Joint, Link, LinkShape, Mimic, Pose, number_of
+from .links_joints import JOINT_KINDS, Joint, Link, LinkShape, Mimic, Pose, number_of
 
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
 

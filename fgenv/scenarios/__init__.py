@@ -7,12 +7,12 @@
 """
 
 from fgenv.scenarios.build import Built
-from fgenv.scenarios.frozen import FrozenSet, frozen
-from fgenv.scenarios.loading import validate
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.frozen_set import FrozenSet, frozen
+from fgenv.scenarios.load import validate
 from fgenv.scenarios.scene import Scene, bounds, in_contact
 from fgenv.scenarios.schema import Scenario
 from fgenv.scenarios.three_tanks import three_tanks
-from fgenv.scenarios.trouble import Problem, ScenarioError
 
 __all__ = [
     "Built",

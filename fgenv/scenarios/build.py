@@ -15,7 +15,7 @@ import numpy as np
 from fgenv.collision import Shape, World
 from fgenv.robots import Robot
 
-from .planar import Floats
+from .se2 import Floats
 
 if TYPE_CHECKING:
     from .schema import Model, RobotSpec, Scenario

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
+from fgenv.scenarios.shapes.bodies import MeshFile
+
 from .build import urdf_path
-from .forms import MeshFile
 from .schema import Scenario
 
 

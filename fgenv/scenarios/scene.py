@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from fgenv.collision import World
 from fgenv.collision.world import Record
-from fgenv.scenarios.planar import Floats, as_poses
+from fgenv.scenarios.se2 import Floats, as_poses
 
 Configuration = tuple[float, float, float]  # x, y (m), yaw (rad)
 

@@ -13,14 +13,14 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from fgenv.collision import World
 from fgenv.robots.urdf import rotation
+from fgenv.scenarios.shapes.base import Spec, quantity
+from fgenv.scenarios.shapes.bodies import AnyForm
 
-from .driving import AnyDrive, Lidar
-from .form import Spec, quantity
-from .forms import AnyForm
+from .drive_specs import AnyDrive, Lidar
 
 if TYPE_CHECKING:
     from .build import Built
-    from .planar import Floats
+    from .se2 import Floats
 
 VERSION = 1
 Coordinate = Annotated[float, quantity("m or rad", "Coordinate", ge=-1e6, le=1e6)]
@@ -166,7 +166,7 @@ class Scenario(Spec):
             ScenarioError: all that is wrong, by line; or a name or override that is not known.
             FileNotFoundError: no such file.
         """
-        from .loading import load
+        from .load import load
 
         return load(source, overrides)
 
@@ -175,7 +175,7 @@ class Scenario(Spec):
 
         Mesh and URDF files stay where they are; their paths are written from the new place.
         """
-        from .text import write
+        from fgenv.scenarios.io.yaml_text import write
 
         write(self, Path(path))
 
@@ -207,7 +207,7 @@ class Scenario(Spec):
 
     def problems(self) -> tuple[Any, ...]:
         """All that is wrong with files, limits and places; empty for a sound scenario."""
-        from .checks import problems
+        from .validation import problems
 
         return tuple(problems(self))
 

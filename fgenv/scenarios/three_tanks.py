@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.collision import Shape, World
-from fgenv.scenarios.planar import Floats, as_poses
+from fgenv.scenarios.meshes.three_tanks import mobile_robot, tank
 from fgenv.scenarios.scene import Scene, in_contact
-from fgenv.scenarios.solids import mobile_robot, tank
+from fgenv.scenarios.se2 import Floats, as_poses
 
 START = (0.0, 0.0, float(np.arctan2(5.0, 8.0)))
 GOAL = (8.0, 5.0, float(np.arctan2(5.0, 8.0)))

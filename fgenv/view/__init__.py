@@ -1,9 +1,9 @@
 """Pictures of scenes, drawn by a small ray caster: no OpenGL and no display needed."""
 
-from fgenv.view.camera import Camera
-from fgenv.view.frame import Mark, Painter
-from fgenv.view.picture import Picture
-from fgenv.view.shader import render
-from fgenv.view.surfaces import Floor, Light, Solid
+from fgenv.view.figures.camera import Camera
+from fgenv.view.figures.painter import Mark, Painter
+from fgenv.view.figures.picture import Picture
+from fgenv.view.figures.shader import render
+from fgenv.view.figures.surfaces import Floor, Light, Solid
 
 __all__ = ["Camera", "Floor", "Light", "Mark", "Painter", "Picture", "Solid", "render"]

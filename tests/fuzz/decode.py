@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from solids import angle_iron, ball, box, together
+from oracles.solids import angle_iron, ball, box, together
 
 Array = NDArray[np.float64]
 Mesh = tuple[Array, NDArray[np.int64]]

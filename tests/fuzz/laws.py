@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from rational import meshes_meet
+from oracles.rational import meshes_meet
 
 from fgenv.collision import Shape, collide, contact, distance, nearest
 

@@ -23,7 +23,7 @@ if __name__ == "__main__":
 
 import numpy as np
 import trimesh
-from solids import angle_iron, box
+from oracles.solids import angle_iron, box
 
 from fgenv.collision import Shape
 

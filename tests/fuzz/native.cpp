@@ -13,8 +13,8 @@
 #include <cstring>
 #include <limits>
 
-#include "edge_face.h"
-#include "kernels.h"
+#include "query/edge_face.h"
+#include "query/kernels.h"
 
 using namespace fgenv;
 

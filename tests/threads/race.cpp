@@ -9,7 +9,7 @@
 #include <shared_mutex>
 #include <thread>
 
-#include "world.h"
+#include "world/world.h"
 
 using namespace fgenv;
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.timing import Clock
+from fgenv.bench.common.timing import Clock
 
 Record = dict[str, Any]  # what goes to JSON
 Step = Callable[[int], object]

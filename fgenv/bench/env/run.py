@@ -7,9 +7,9 @@ from time import process_time
 
 import numpy as np
 
+from fgenv.bench.common.timing import Clock
 from fgenv.bench.env import ours
 from fgenv.bench.env.batch import Batch, Peer, Record, Rounds, race
-from fgenv.bench.timing import Clock
 
 ROBOTS, WORLDS = (4, 10), (1, 32, 1024)
 GROWTH, GROWTH_WORLDS = (8, 16, 32, 64), 4  # robots; worlds of each

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 
 Poses = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 from numpy.typing import NDArray
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import Checker, Peer, Poses, one_by_one
 
 

@@ -9,7 +9,7 @@ import fcl
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import Checker, Peer, Poses
 
 

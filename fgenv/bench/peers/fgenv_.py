@@ -6,7 +6,7 @@ import warnings
 from typing import Any
 
 import fgenv
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import Checker, Peer, Poses
 from fgenv.collision import MeshWarning, Shape, collide, distance
 

@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import Checker, Peer, Poses, one_by_one
 
 

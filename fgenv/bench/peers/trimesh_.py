@@ -6,7 +6,7 @@ from typing import Any
 
 import trimesh
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import Checker, Peer, Poses, one_by_one
 
 

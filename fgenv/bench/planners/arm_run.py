@@ -8,8 +8,8 @@ from typing import Any, get_args
 import numpy as np
 from ompl import geometric as og
 
+from fgenv.planners.ompl.spaces import Layout, compound_of, space_of
 from fgenv.planners.problem import Problem
-from fgenv.planners.spaces import Layout, compound_of, space_of
 from fgenv.planners.steering import Steering
 from fgenv.scenarios.library.mbm import Family
 

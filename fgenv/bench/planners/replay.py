@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.timing import race
+from fgenv.bench.common.timing import race
 
 from .edges import Recording
 from .search import seeded

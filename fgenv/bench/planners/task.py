@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.planners.plugin import room
+from fgenv.planners.ompl.plugin import room
+from fgenv.planners.ompl.spaces import Layout, compound_of, space_of
 from fgenv.planners.problem import Problem
-from fgenv.planners.spaces import Layout, compound_of, space_of
 from fgenv.planners.steering import Steering
 
 Floats = NDArray[np.float64]

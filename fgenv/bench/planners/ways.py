@@ -10,9 +10,9 @@ import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
-from fgenv.planners.plugin import Setup, setup
+from fgenv.planners.ompl.plugin import Setup, setup
+from fgenv.planners.ompl.states import NAME, StateBuffer, _new, serialize_of
 from fgenv.planners.problem import Problem
-from fgenv.planners.states import NAME, StateBuffer, _new, serialize_of
 
 from .coal_ import coal_bodies
 from .fcl_ import fcl_bodies

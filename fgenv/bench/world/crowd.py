@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.bench.catalogue import ROBOTS, Source
-from fgenv.bench.data import Mesh
-from fgenv.bench.poses import Poses, random_directions, random_rotations
+from fgenv.bench.common.meshes import Mesh
+from fgenv.bench.common.poses import Poses, random_directions, random_rotations
+from fgenv.bench.pairs.catalog import ROBOTS, Source
 
 Floats = NDArray[np.float64]
 

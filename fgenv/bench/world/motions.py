@@ -15,11 +15,16 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from fgenv.bench.catalogue import PAIRS
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
+from fgenv.bench.common.poses import (
+    Poses,
+    random_directions,
+    random_poses_batched,
+    random_rotations,
+)
+from fgenv.bench.pairs.catalog import PAIRS
 from fgenv.bench.peers.fcl_ import PEER as FCL
 from fgenv.bench.peers.fgenv_ import PEER as FGENV
-from fgenv.bench.poses import Poses, random_directions, random_poses_batched, random_rotations
 from fgenv.bench.world.crowd import turned
 from fgenv.bench.world.movers import along, between
 from fgenv.collision import World

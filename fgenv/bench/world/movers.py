@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.bench.data import Mesh
+from fgenv.bench.common.meshes import Mesh
+from fgenv.bench.common.poses import Poses, random_directions, random_rotations
 from fgenv.bench.peers.fgenv_ import PEER
-from fgenv.bench.poses import Poses, random_directions, random_rotations
 from fgenv.bench.world.crowd import SPACING, Crowd, Floats, crowd, turned
 from fgenv.collision import World
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.bench.data import Mesh
-from fgenv.bench.memory import kept_bytes
-from fgenv.bench.poses import Poses
-from fgenv.bench.truth import Truth
+from fgenv.bench.common.memory import kept_bytes
+from fgenv.bench.common.meshes import Mesh
+from fgenv.bench.common.poses import Poses
+from fgenv.bench.common.truth import Truth
 from fgenv.bench.world.crowd import Crowd, crowd
 from fgenv.bench.world.peers import Bodies, Manager, Pairs
 

@@ -6,11 +6,12 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..dice import Dice
-from ..schema import Scenario
+from fgenv.scenarios.rng import Dice
+from fgenv.scenarios.schema import Scenario
+
 from .placing import Q, bare, scatter, sent, team
+from .quaternion import any_way, pose
 from .registry import Seed, builtin
-from .turning import any_way, pose
 
 RADIUS, WALL, HALF = 1.0, 0.05, 2.0  # metres: of the trap; half a side of the workspace
 ROD = {"kind": "cylinder", "radius": 0.04, "length": 0.5}

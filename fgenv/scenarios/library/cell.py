@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..dice import Dice, micro, sin_cos
-from ..schema import Placement, Scenario
+from fgenv.scenarios.rng import Dice, micro, sin_cos
+from fgenv.scenarios.schema import Placement, Scenario
+
 from .placing import Q, bare, block, body, scatter, sent, team
 from .registry import Seed, Size, builtin
 

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Scenario
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario
+
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
 from .registry import N, Seed, Size, builtin
 

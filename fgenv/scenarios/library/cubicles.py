@@ -7,12 +7,13 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Body, Scenario
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Body, Scenario
+
 from .maze import Boxes, Corner, Wall, around_window, beside_door, opened, walls
 from .placing import Q, bare, scatter, sent, team
+from .quaternion import about, pose
 from .registry import Seed, builtin
-from .turning import about, pose
 
 COLUMNS, ROWS, CELL = 3, 2, 2.6  # cubicles of a storey along x and y, metres of each
 X, Y = COLUMNS * CELL / 2, ROWS * CELL / 2  # metres, half of the office

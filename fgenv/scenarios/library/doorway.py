@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..dice import Dice, micro
-from ..schema import Scenario
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario
+
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
 from .registry import Drive, Metres, N, Seed, Size, builtin
 

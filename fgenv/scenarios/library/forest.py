@@ -7,9 +7,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Scenario, yaw_quaternion
-from ..trouble import Problem, ScenarioError
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario, yaw_quaternion
+
 from .placing import CROWDED, TRIES, Q, bare, body, scatter, sent, team
 from .registry import N, Seed, Size, builtin
 

@@ -7,11 +7,12 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Body, Scenario
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Body, Scenario
+
 from .placing import Q, bare, block, body, scatter, sent, team
+from .quaternion import about, pose
 from .registry import Seed, builtin
-from .turning import about, pose
 
 LENGTH, WIDTH = 9.0, 7.0  # metres, of the home along x and y
 TALL, THICK, LINTEL = 2.6, 0.12, 2.1  # metres, of walls; where a door ends

@@ -7,9 +7,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Scenario
-from ..trouble import Problem, ScenarioError
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario
+
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
 from .registry import N, Seed, Size, builtin
 

@@ -5,7 +5,7 @@ A wall is (i, j, axis): between cell i, j and the next along x or y (axis 0 or 1
 
 from __future__ import annotations
 
-from ..dice import Dice
+from fgenv.scenarios.rng import Dice
 
 Wall = tuple[int, int, int]
 Corner = tuple[float, float, float]  # metres

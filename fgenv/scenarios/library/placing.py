@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dice import micro
-from ..schema import Body, RobotSpec, Scenario
-from ..trouble import Problem, ScenarioError
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.rng import micro
+from fgenv.scenarios.schema import Body, RobotSpec, Scenario
 
 Q = tuple[float, ...]
 TRIES = 3000  # for one robot

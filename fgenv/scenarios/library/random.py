@@ -15,9 +15,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..dice import Dice, micro
-from ..schema import Scenario
-from ..trouble import Problem, ScenarioError
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario
+
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
 from .registry import Drive, N, Seed, Size, builtin
 

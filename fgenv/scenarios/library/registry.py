@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, validate_call
 
-from ..schema import Scenario
-from ..trouble import Problem, ScenarioError, near
+from fgenv.scenarios.errors import Problem, ScenarioError, near
+from fgenv.scenarios.schema import Scenario
 
 FOLDER = Path(__file__).parent
 
@@ -91,6 +91,6 @@ def entry(name: str) -> Entry:
 @builtin(dimension=2)
 def three_tanks() -> Scenario:
     """The published experiment: a mobile robot with a fork, a tank in its way, two beside it."""
-    from ..loading import from_file
+    from fgenv.scenarios.load import from_file
 
     return from_file(FOLDER / "three_tanks.yaml")

@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..dice import Dice, micro, sin_cos
-from ..schema import Scenario
+from fgenv.scenarios.rng import Dice, micro, sin_cos
+from fgenv.scenarios.schema import Scenario
+
 from .placing import Q, area, bare, block, scatter, sent, team
 from .registry import Drive, N, Seed, Size, builtin
 

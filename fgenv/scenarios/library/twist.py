@@ -7,11 +7,12 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..dice import Dice
-from ..schema import Scenario
+from fgenv.scenarios.rng import Dice
+from fgenv.scenarios.schema import Scenario
+
 from .placing import Q, bare, body, scatter, sent, team
+from .quaternion import any_way, pose
 from .registry import Seed, builtin
-from .turning import any_way, pose
 
 THICK, SIDE, TURN = 0.5, 2.6, math.pi / 2  # of the wall, metres; of the channel, rad
 LENGTH, WIDTH, HEIGHT = 0.3, 0.8, 0.08  # metres, of the bar

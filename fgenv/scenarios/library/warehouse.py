@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from ..dice import Dice, micro
-from ..schema import Scenario
-from ..trouble import Problem, ScenarioError
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.schema import Scenario
+
 from .placing import CROWDED, Q, area, bare, body, fence, scatter, sent, team
 from .registry import N, Seed, Size, builtin
 

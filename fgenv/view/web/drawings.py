@@ -9,11 +9,11 @@ import numpy as np
 
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
-from fgenv.envs.assembly import directions, lidar_of
+from fgenv.envs.native_config import directions, lidar_of
 from fgenv.scenarios import bounds
-from fgenv.view.masking import AHEAD, links, set_masks
-from fgenv.view.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
-from fgenv.view.surfaces import Floats
+from fgenv.view.figures.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
+from fgenv.view.figures.surfaces import Floats
+from fgenv.view.mask_links import AHEAD, links, set_masks
 
 Drawn = tuple[Floats, list[Color]]  # segments (n, 2, 3) or points (n, 3), metres, and n colours
 

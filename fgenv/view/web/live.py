@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fgenv.envs import Simulator
-from fgenv.view.surfaces import Floats
+from fgenv.view.figures.surfaces import Floats
 
 from .overlays import Overlays
 from .scenery import Scenery
-from .serving import PORT, serve, stop
+from .server import PORT, serve, stop
 
 if TYPE_CHECKING:
     import viser

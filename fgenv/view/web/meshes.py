@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.collision import Shape
-from fgenv.view.normals import corner_normals
-from fgenv.view.palette import Color, to_linear
-from fgenv.view.surfaces import SMOOTH, Floats
+from fgenv.view.figures.normals import corner_normals
+from fgenv.view.figures.palette import Color, to_linear
+from fgenv.view.figures.surfaces import SMOOTH, Floats
 
 DIM = 0.45
 Single = NDArray[np.float32]

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fgenv.envs import Simulator
-from fgenv.view.palette import MARKED, robot_color, static_color
-from fgenv.view.surfaces import Floats
+from fgenv.view.figures.palette import MARKED, robot_color, static_color
+from fgenv.view.figures.surfaces import Floats
 
 from . import drawings
 from .drawings import Drawn, Moment
-from .ink import Dots, Lines
+from .line_sets import Dots, Lines
 
 if TYPE_CHECKING:
     from viser import SceneApi

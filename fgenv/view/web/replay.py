@@ -20,13 +20,13 @@ import trimesh
 from fgenv.collision import Shape
 from fgenv.envs import Record
 from fgenv.scenarios import Built
-from fgenv.view.meetings import Meeting, meetings
-from fgenv.view.palette import BLACK, robot_color
-from fgenv.view.surfaces import Floats
+from fgenv.view.contact_events import Meeting, meetings
+from fgenv.view.figures.palette import BLACK, robot_color
+from fgenv.view.figures.surfaces import Floats
 
 from .meshes import rgb
 from .scenery import Flock, Scenery
-from .serving import serving
+from .server import serving
 
 if TYPE_CHECKING:
     from viser import SceneApi

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fgenv.scenarios import Built
-from fgenv.view.camera import Camera, overview
-from fgenv.view.gallery import CLEAR, GHOST, GLASS, LIFT, corners_of
-from fgenv.view.palette import INK, Color, robot_color, static_color
-from fgenv.view.surfaces import Floats
+from fgenv.view.figures.camera import Camera, overview
+from fgenv.view.figures.gallery import CLEAR, GHOST, GLASS, LIFT, corners_of
+from fgenv.view.figures.palette import INK, Color, robot_color, static_color
+from fgenv.view.figures.surfaces import Floats
 
 from .meshes import many_rgb, mesh_of, quaternions, rgb
 

@@ -9,11 +9,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ...driving import JointVelocity
-from ...moveit import problem_of, scene_of
-from ...node import Node
-from ...schema import Model, Scenario
-from ..registry import builtin
+from fgenv.scenarios.drive_specs import JointVelocity
+from fgenv.scenarios.io.moveit import problem_of, scene_of
+from fgenv.scenarios.io.yaml_node import Node
+from fgenv.scenarios.library.registry import builtin
+from fgenv.scenarios.schema import Model, Scenario
 
 FOLDER = Path(__file__).parent
 HERE = "package://fgenv/scenarios/library/mbm"

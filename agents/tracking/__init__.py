@@ -1,0 +1,1 @@
+"""Tracking: actions that follow a plan or a velocity."""

@@ -1,0 +1,1 @@
+"""Trained policies that the package includes: `mlp:NAME` is NAME.npz."""

@@ -1,0 +1,127 @@
+"""The mesh pairs that ``fgenv bench pairs`` races on: 100 to 100 000 triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fgenv.bench.common.meshes import Mesh, is_here, load
+
+ROBOTS, BULLET, GYM, TOOLBOX = "example-robot-data", "pybullet", "gymnasium-robotics", "rtb-data"
+ADROIT = "adroit_hand/resources/meshes"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a mesh is: package, path in its mesh folder, metres per file unit."""
+
+    package: str
+    path: str
+    scale: float = 1.0
+
+    def load(self) -> Mesh:
+        """The mesh, in metres."""
+        return load(self.package, self.path, self.scale)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two meshes to race on; `b` is the one that moves."""
+
+    name: str
+    a: Source
+    b: Source
+    quick: bool = False  # part of --pairs quick
+
+    @property
+    def here(self) -> bool:
+        """Whether both packages are installed (pybullet has no wheel for newer Pythons)."""
+        return is_here(self.a.package) and is_here(self.b.package)
+
+
+PAIRS = (
+    Pair(
+        "pr2 head, elbow",
+        Source(ROBOTS, "pr2_description/meshes/head_v0/head_tilt_L.stl"),
+        Source(ROBOTS, "pr2_description/meshes/upper_arm_v0/elbow_flex.stl"),
+    ),
+    Pair(
+        "panda link5, hand",
+        Source(ROBOTS, "panda_description/meshes/collision/link5.stl"),
+        Source(ROBOTS, "panda_description/meshes/collision/hand.stl"),
+        quick=True,
+    ),
+    Pair(
+        "kettle, panda hand",
+        Source(GYM, "kitchen_franka/kitchen_assets/meshes/kettle.stl"),
+        Source(ROBOTS, "panda_description/meshes/collision/hand.stl"),
+    ),
+    Pair(
+        "ur5 base, upper arm",
+        Source(ROBOTS, "ur_description/meshes/ur5/collision/base.stl"),
+        Source(ROBOTS, "ur_description/meshes/ur5/collision/upperarm.stl"),
+    ),
+    Pair(
+        "solo legs",
+        Source(ROBOTS, "solo_description/meshes/stl/with_foot/solo_upper_leg_left_side.stl"),
+        Source(ROBOTS, "solo_description/meshes/stl/solo12/solo12_lower_leg_right_side.stl"),
+        quick=True,
+    ),
+    Pair(
+        "allegro palm, finger",
+        Source(ROBOTS, "allegro_hand_description/meshes/base_link_left.STL"),
+        Source(ROBOTS, "allegro_hand_description/meshes/link_12.0_left.STL"),
+    ),
+    Pair(
+        "shelf, panda hand",
+        Source(BULLET, "kiva_shelf/meshes/pod_lowres.stl"),
+        Source(GYM, "kitchen_franka/franka_assets/meshes/visual/hand.stl"),
+    ),
+    Pair(
+        "panda link1, link3",
+        Source(GYM, "kitchen_franka/franka_assets/meshes/visual/link1.stl"),
+        Source(GYM, "kitchen_franka/franka_assets/meshes/visual/link3.stl"),
+    ),
+    Pair(
+        "so101 base, z1 gripper",
+        Source(ROBOTS, "so_arm_description/meshes/so101/base_motor_holder_so101_v1.stl"),
+        Source(ROBOTS, "z1_description/meshes/collision/z1_GripperStator.STL"),
+    ),
+    Pair(
+        "z1 link1, link2",
+        Source(ROBOTS, "z1_description/meshes/collision/z1_Link01.STL"),
+        Source(ROBOTS, "z1_description/meshes/collision/z1_Link02.STL"),
+        quick=True,
+    ),
+    Pair(
+        "adroit arm, forearm",
+        Source(GYM, f"{ADROIT}/upper_arm_asmbl_shoulder.stl", 1e-3),
+        Source(GYM, f"{ADROIT}/forearm_Cy_PlateAsmbly.stl", 1e-3),
+    ),
+    Pair(
+        "orion5 link2, link3",
+        Source(TOOLBOX, "meshes/RAWR/Orion5/link2.stl", 1e-3),
+        Source(TOOLBOX, "meshes/RAWR/Orion5/link3.stl", 1e-3),
+    ),
+    Pair(
+        "monastery, husky",
+        Source(BULLET, "samurai_monastry.obj"),
+        Source(BULLET, "husky/meshes/base_link.stl"),
+    ),
+)
+
+
+def chosen(which: str) -> tuple[Pair, ...]:
+    """The pairs for `all`, `quick` or part of a name, as far as their meshes are installed."""
+    found = tuple(pair for pair in PAIRS if _wanted(pair, which))
+    if not found:
+        names = "; ".join(pair.name for pair in PAIRS)
+        raise ValueError(f"pairs is {which!r}, wanted all, quick, or part of a name: {names}")
+    here = tuple(pair for pair in found if pair.here)
+    if not here:
+        found[0].a.load()  # says what to install
+        found[0].b.load()
+    return here
+
+
+def _wanted(pair: Pair, which: str) -> bool:
+    return which == "all" or (which == "quick" and pair.quick) or which.lower() in pair.name

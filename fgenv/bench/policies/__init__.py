@@ -1,0 +1,1 @@
+"""``fgenv bench policies``: success rates of the policies, against ORCA."""

@@ -1,0 +1,1 @@
+"""``fgenv bench train``: samples per CPU-second during training."""

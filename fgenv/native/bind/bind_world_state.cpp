@@ -1,0 +1,120 @@
+// Python class of a world: records, and all of it at once for a pickle.
+#include "bind/bind_world.h"
+
+namespace fgenv {
+namespace {
+
+using namespace nb::literals;
+
+// All of a body that a record or a pickle needs.
+nb::dict record_of(const World& w, const Body& b) {
+    nb::dict out;
+    out["id"] = b.id;
+    out["name"] = b.name;
+    out["shape"] = b.shape;
+    out["pose"] = pose_out({b.pose}, {});
+    out["mask"] = mask_of(w, b);
+    nb::list groups;
+    for (int32_t g : b.groups) groups.append(w.groups()[g]);
+    out["groups"] = groups;
+    out["allowed"] = b.allowed;
+    out["carrier"] = b.carrier;
+    out["root"] = b.root;
+    out["link"] = b.link;
+    out["offset"] = pose_out({b.offset}, {});
+    out["built_in"] = b.built_in;
+    out["configuration"] = b.robot ? copy_out(b.q.data(), {static_cast<int64_t>(b.q.size())}) : nb::none();
+    out["parts"] = b.parts;
+    const Path* path = w.path(b.id);
+    out["path"] = path ? places_out(path->places, b.robot) : nb::none();
+    out["bit"] = w.own_bit(b.id);
+    nb::object times = nb::none(), poses = nb::none();
+    if (b.trajectory) {
+        times = copy_out(b.trajectory->times.data(), {static_cast<int64_t>(b.trajectory->times.size())});
+        poses = places_out(b.trajectory->places, b.robot);
+    }
+    out["trajectory"] = nb::make_tuple(times, poses);
+    return out;
+}
+
+nb::dict record(const World& w, nb::handle body) {
+    const Asked a = asked(body, "body");
+    const auto lock = reading(w);
+    return record_of(w, w.body(body_of(w, a, "body")));
+}
+
+template <class F>
+void for_each_body(const World& w, F f) {
+    for (BodyId id = 0; id < w.end_id(); ++id)
+        if (const Body* b = w.find(id)) f(*b);
+}
+
+nb::object ids(const World& w) {
+    const auto lock = reading(w);
+    std::vector<BodyId> out;
+    for_each_body(w, [&](const Body& b) { out.push_back(b.id); });
+    return id_array(out);
+}
+
+nb::list names(const World& w) {
+    const auto lock = reading(w);
+    nb::list out;
+    for_each_body(w, [&](const Body& b) { out.append(b.name); });
+    return out;
+}
+
+// All of a world, of one moment.
+nb::dict state(const World& w) {
+    const auto lock = reading(w);
+    nb::list bodies, allowed_groups;
+    for_each_body(w, [&](const Body& b) { bodies.append(record_of(w, b)); });
+    for (const auto& [a, b] : w.allowed_groups()) allowed_groups.append(nb::make_tuple(w.groups()[a], w.groups()[b]));
+    nb::dict out;
+    out["masks"] = w.masks_name();
+    out["end_id"] = w.end_id();
+    out["allowed_groups"] = allowed_groups;
+    out["bodies"] = bodies;
+    return out;
+}
+
+// Fills a new world with what `state` told; `robots`: the models of bodies that are robots, by id.
+void restore(World& w, const nb::dict& state, const nb::dict& robots) {
+    const nb::list bodies(state["bodies"]);
+    const auto id_of = [](nb::handle b) { return nb::cast<BodyId>(b["id"]); };
+    for (nb::handle b : bodies)
+        w.add(nb::cast<std::shared_ptr<Shape>>(b["shape"]), pose_of(b["pose"], "pose"), nb::cast<std::string>(b["name"]),
+              nb::cast<std::vector<std::string>>(b["groups"]), id_of(b));
+    for (nb::handle b : bodies) {
+        World::Bond bond{nb::cast<BodyId>(b["carrier"]), nb::cast<BodyId>(b["root"]), nb::cast<int32_t>(b["link"]),
+                         pose_of(b["offset"], "offset"), nb::cast<bool>(b["built_in"]),
+                         nb::cast<std::vector<BodyId>>(b["parts"]), nullptr, {}};
+        if (!b["configuration"].is_none()) {
+            bond.robot = std::make_shared<const Robot>(nb::cast<const Robot&>(robots[b["id"]]));
+            bond.q = places(bond.robot, b["configuration"], "configuration")[0].q;
+        }
+        w.restore(id_of(b), std::move(bond));
+    }
+    for (nb::handle b : bodies)
+        for (BodyId other : nb::cast<std::vector<BodyId>>(b["allowed"])) w.allow(id_of(b), other, true);
+    for (nb::handle pair : state["allowed_groups"])
+        w.allow_groups(nb::cast<std::string>(pair[0]), nb::cast<std::string>(pair[1]), true);
+    for (nb::handle b : bodies)
+        if (!b["trajectory"][0].is_none())
+            w.set_trajectory(id_of(b), trajectory_of(w.body(id_of(b)).robot, b["trajectory"][0], b["trajectory"][1]));
+    for (nb::handle b : bodies)
+        if (!b["path"].is_none())
+            w.set_path(id_of(b), places(w.body(id_of(b)).robot, b["path"], "path").all(), nb::cast<int>(b["bit"]));
+    w.set_end_id(nb::cast<BodyId>(state["end_id"]));
+}
+
+}  // namespace
+
+void bind_world_state(nb::class_<World>& c) {
+    c.def("state", &state)
+        .def("restore", &restore, "state"_a, "robots"_a)
+        .def("record", &record, "body"_a.none())
+        .def("ids", &ids)
+        .def("names", &names);
+}
+
+}  // namespace fgenv

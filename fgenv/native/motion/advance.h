@@ -1,0 +1,37 @@
+// What advancing two bodies shares, be it by planes between them or by pairs of faces.
+#pragma once
+
+#include "motion/certify.h"
+
+namespace fgenv {
+
+constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
+constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
+
+struct Instant {
+    double t;
+    Rigid a, b;
+    Velocity va, vb;
+};
+
+static inline Instant instant(const Moving& a, const Moving& b, double t) {
+    Instant out;
+    out.t = t;
+    out.a = a.motion->pose(t, out.va);
+    out.b = b.motion->pose(t, out.vb);
+    return out;
+}
+
+static inline double rounding_slack(const Instant& now, double radii) {
+    return rounding * (norm(origin(now.a) - origin(now.b)) + radii) +
+           0x1p-51 * (norm(origin(now.a)) + norm(origin(now.b)));
+}
+
+// The longest t with approach t + acceleration t^2 / 2 <= gap.
+static inline double time_to(double gap, double approach, double acceleration) {
+    const double root = std::sqrt(greater(approach * approach + 2 * acceleration * gap, 0));
+    if (approach + root > 0 && approach >= 0) return 2 * gap / (approach + root) * (1 - 1e-12);
+    return acceleration > 0 ? (root - approach) / acceleration * (1 - 1e-12) : HUGE_VAL;
+}
+
+}  // namespace fgenv

@@ -1,0 +1,108 @@
+// Two faces moving.
+#pragma once
+
+#include <array>
+
+#include "motion/advance.h"
+#include "query/edge_face.h"
+#include "query/kernels.h"
+
+namespace fgenv {
+
+using Corners = std::array<Vec3, 3>;
+
+static inline Corners corners(const Shape& s, int32_t face) {
+    const Face& f = s.mesh.faces[face];
+    return {s.mesh.vertices[f[0]], s.mesh.vertices[f[1]], s.mesh.vertices[f[2]]};
+}
+
+// Corners are placed relative to b's origin, along the axes of the world.
+class FaceAdvance {
+public:
+    FaceAdvance(const Moving& a, const Moving& b, FacePair pair, const CertifySettings& s)
+        : a_(a), b_(b), settings_(s), fa_(corners(*a.shape, pair.a)), fb_(corners(*b.shape, pair.b)) {
+        const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
+        for (int k = 0; k < 3; ++k) {
+            radius_a_ = greater(radius_a_, askew * norm(fa_[k]));
+            radius_b_ = greater(radius_b_, askew * norm(fb_[k]));
+        }
+        acceleration_ = at_a.at_origin + at_a.by_radius * radius_a_ + at_b.at_origin + at_b.by_radius * radius_b_;
+    }
+
+    // How long the faces stay apart after t, for certain; 0 if that can't be told.
+    double stay(double t) {
+        place(t);
+        const Nearest near = kernels().nearest_faces(xa_.data(), xb_.data());
+        double longest = stay_along(unit(near.on_b - near.on_a));
+        if (longest > 0) return longest;
+        // So near that rounding turns that direction: those of the faces' own features do not feel the gap.
+        const auto look_along = [&](Vec3 along) {
+            const Vec3 n = unit(along);
+            longest = greater(longest, greater(stay_along(n), stay_along(-1.0 * n)));
+        };
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) look_along(cross(side(xa_, i), side(xb_, j)));
+        look_along(cross(side(xa_, 0), side(xa_, 1)));
+        look_along(cross(side(xb_, 0), side(xb_, 1)));
+        return longest;
+    }
+
+    // Whether the faces meet at t, or are nearer than the margin.
+    bool meet(double t) {
+        place(t);
+        if (settings_.margin > 0 &&
+            kernels().nearest_faces(xa_.data(), xb_.data()).squared <= settings_.margin * settings_.margin)
+            return true;
+        for (int k = 0; k < 3; ++k) {
+            const int l = (k + 1) % 3;
+            if (edge_meets_face(xa_[k], xa_[l], xb_.data()) || edge_meets_face(xb_[k], xb_[l], xa_.data())) return true;
+        }
+        return false;
+    }
+
+    // What a point of one may move against a point of the other, per unit of time.
+    double speed() const {
+        return norm(now_.va.v - now_.vb.v) + norm(now_.va.w) * radius_a_ + norm(now_.vb.w) * radius_b_;
+    }
+
+private:
+    static Vec3 side(const Corners& face, int k) { return face[(k + 1) % 3] - face[k]; }
+
+    // How long a plane across the unit vector n parts the faces for certain, b on the side it points to.
+    double stay_along(Vec3 n) const {
+        double at_a[3], at_b[3], of_a[3], of_b[3];  // corners along n, and how fast
+        for (int k = 0; k < 3; ++k) {
+            at_a[k] = dot(n, xa_[k]) + settings_.margin + slack_;
+            at_b[k] = dot(n, xb_[k]);
+            of_a[k] = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
+            of_b[k] = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
+        }
+        double longest = HUGE_VAL;
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                const double gap = at_b[l] - at_a[k];
+                if (!(gap > 0)) return 0;
+                longest = lesser(longest, time_to(gap, of_a[k] - of_b[l], acceleration_));
+            }
+        return longest;
+    }
+
+    void place(double t) {
+        now_ = instant(a_, b_, t);
+        centre_a_ = origin(now_.a) - origin(now_.b);
+        for (int k = 0; k < 3; ++k) {
+            xa_[k] = centre_a_ + rotate(now_.a, fa_[k]);
+            xb_[k] = rotate(now_.b, fb_[k]);
+        }
+        slack_ = rounding_slack(now_, radius_a_ + radius_b_);
+    }
+
+    const Moving &a_, &b_;
+    const CertifySettings& settings_;
+    Corners fa_, fb_, xa_, xb_;
+    double radius_a_ = 0, radius_b_ = 0, acceleration_ = 0, slack_ = 0;
+    Vec3 centre_a_{0, 0, 0};
+    Instant now_;
+};
+
+}  // namespace fgenv

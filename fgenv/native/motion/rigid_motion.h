@@ -1,0 +1,65 @@
+// Motions of bodies over fractions t in [0, 1], with what certified checks need: pose and velocity at any
+// t, and a bound on the acceleration of any point. World frame, per unit of t.
+#pragma once
+
+#include "math/rotation.h"
+#include "shape/shape.h"
+
+namespace fgenv {
+
+struct Velocity {
+    Vec3 v;  // of the body's origin
+    Vec3 w;  // angular
+};
+
+// A point at distance d from the body's origin never accelerates by more than at_origin + d * by_radius.
+struct Acceleration {
+    double at_origin = 0, by_radius = 0;
+};
+
+class BodyMotion {
+public:
+    virtual ~BodyMotion();
+    virtual Rigid pose(double t) const = 0;
+    virtual Velocity velocity(double t) const = 0;
+    virtual Rigid pose(double t, Velocity& velocity) const = 0;
+    virtual Acceleration acceleration() const = 0;
+    virtual double turn() const = 0;  // radians: at most this far over [0, 1]
+    virtual double speed(double radius) const;  // at most: of points this far from the body's origin
+};
+
+// Position linear, orientation by the shortest arc about the origin of the frame that moves (as OMPL's
+// SE2 and SE3 spaces do), from pose `start` to pose `end`; the body is fixed in that frame at `offset`.
+class RigidMotion final : public BodyMotion {
+public:
+    RigidMotion() : RigidMotion(identity(), identity()) {}
+    RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offset = nullptr);
+    // The same motion as seen by t' with t = begin + rate t'.
+    RigidMotion retimed(double begin, double rate) const;
+
+    Rigid pose(double t) const override;
+    Velocity velocity(double t) const override;
+    Rigid pose(double t, Velocity& velocity) const override;
+    Acceleration acceleration() const override { return acceleration_; }
+    double turn() const override { return rate_ * angle_; }
+    double speed(double radius) const override {
+        return rate_ * (norm(shift_) + angle_ * (norm(origin(offset_)) + radius));
+    }
+    Rigid frame(double t) const;  // of what moves, without the offset
+
+private:
+    Rigid start_;
+    double end_[3];  // position; turned all the way is start's rotation turned, never quite end's
+    Rigid offset_;
+    bool has_offset_;
+    Vec3 shift_, turn_;  // whole displacement of the origin, rotation vector
+    double angle_;
+    double begin_ = 0, rate_ = 1;
+    Acceleration acceleration_;
+};
+
+// World-aligned box of a shape at a pose, and of a shape all along a motion from t = lo to hi.
+Box posed_box(const Shape& shape, const Rigid& pose);
+Box swept_box(const Shape& shape, const BodyMotion& motion, double lo, double hi);
+
+}  // namespace fgenv

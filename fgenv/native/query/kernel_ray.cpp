@@ -1,0 +1,276 @@
+// Rays, segments and winding numbers on the tree of one shape.
+#include "query/edge_face.h"
+#include "query/kernels.h"
+#include "math/lanes.h"
+
+namespace fgenv::FGENV_ISA {
+namespace {
+
+constexpr int stack_size = max_depth * (lanes - 1) + lanes;
+
+// Which boxes of a node a segment o + s d, 0 <= s <= reach, may pass; entry distances for the order.
+FGENV_INLINE uint32_t passed(const Node& n, const double o[3], const double inv[3], double reach,
+                             F8& entry) {
+    // Floats with outward slack: the entry is rounded down and the exit up by more than the error of
+    // the subtraction and the product, relative to the numbers that enter.
+    F8 near = splat(0.0f), far = splat(static_cast<float>(reach) * 1.000001f);
+    for (int i = 0; i < 3; ++i) {
+        const F8 h = load(n.half[i]);
+        const F8 c = load(n.centre[i]);
+        const F8 origin = splat(static_cast<float>(o[i]));
+        const F8 slack = (abs(c) + abs(origin) + abs(h)) * splat(0x1p-21f);
+        const F8 wide = h + slack;
+        const F8 inverse = splat(static_cast<float>(inv[i]));
+        const F8 middle = (c - origin) * inverse;
+        const F8 spread = wide * abs(inverse);
+        const F8 rounding = (abs(middle) + abs(spread)) * splat(0x1p-21f);
+        near = max(near, middle - spread - rounding);
+        far = min(far, middle + spread + rounding);
+    }
+    entry = near;
+    const I8 real = load(n.half[0]) >= splat(0.0f);
+    return bits((near <= far) & real);
+}
+
+struct Ray {
+    double o[3], d[3], inv[3];
+};
+
+Ray make_ray(Vec3 o, Vec3 d) {
+    Ray ray{{o.x, o.y, o.z}, {d.x, d.y, d.z}, {}};
+    for (int i = 0; i < 3; ++i) {
+        // Parallel to the slab: a huge slope still tells inside from outside, without 0 * infinity.
+        const double safe = std::fabs(ray.d[i]) > 1e-18 ? ray.d[i] : std::copysign(1e-18, ray.d[i]);
+        ray.inv[i] = 1.0 / safe;
+    }
+    return ray;
+}
+
+// Where the ray meets the closed face; negative if nowhere. Watertight: the corners are sheared so that
+// the ray runs along an axis (S. Woop et al., "Watertight ray/triangle intersection", 2013), each once
+// and alike for every face that has it, and the sides are then decided exactly.
+double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
+    const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+    const int along = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    const int right = (along + 1) % 3, up = (along + 2) % 3;
+    const double scale = 1.0 / coordinate(d, along);
+    double p[3][2], depth[3];
+    for (int k = 0; k < 3; ++k) {
+        const Vec3 v = f[k] - o;
+        depth[k] = scale * coordinate(v, along);
+        p[k][0] = coordinate(v, right) - coordinate(d, right) * depth[k];
+        p[k][1] = coordinate(v, up) - coordinate(d, up) * depth[k];
+    }
+    const double ray[2] = {0, 0};
+    double sum = 0, weighted = 0, magnitude = 0;
+    int positive = 0, negative = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        const int side = orient2d(p[k], p[l], ray);
+        positive += side > 0;
+        negative += side < 0;
+        const double left = p[k][0] * p[l][1], right = p[k][1] * p[l][0], area = left - right;
+        sum += area;
+        magnitude += std::fabs(left) + std::fabs(right);
+        weighted += area * depth[(k + 2) % 3];
+    }
+    // Seen edge-on there is no depth to tell: the faces beside it have the sides that the ray meets.
+    if ((positive && negative) || std::fabs(sum) <= 1e-15 * magnitude) return -1;
+    const double s = weighted / sum;
+    return s >= 0 ? s : -1;
+}
+
+// x rounded to float, and beyond what rounding a vertex of about the same size can do.
+float below(double x) {
+    const float f = static_cast<float>(x);
+    return f - std::fabs(f) * 0x1p-22f;
+}
+float above(double x) {
+    const float f = static_cast<float>(x);
+    return f + std::fabs(f) * 0x1p-22f;
+}
+
+// Faces of a leaf whose box the box [lo, hi] meets.
+FGENV_INLINE uint32_t near_box(const Leaf& leaf, const double lo[3], const double hi[3]) {
+    I8 meet = I8{} == 0;
+    for (int i = 0; i < 3; ++i) {
+        const F8 a = load(leaf.v[0][i]), b = load(leaf.v[1][i]), c = load(leaf.v[2][i]);
+        meet &= (min(min(a, b), c) <= splat(above(hi[i] - leaf.centre[i]))) &
+                (max(max(a, b), c) >= splat(below(lo[i] - leaf.centre[i])));
+    }
+    return leaf.valid & bits(meet);
+}
+
+// Faces of a leaf that the ray may meet: signs of the three side volumes in floats, with slack.
+FGENV_INLINE uint32_t near_ray(const Leaf& leaf, const Ray& ray) {
+    F8 p[3][3], size = F8{};
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) {
+            const F8 o = splat(static_cast<float>(ray.o[i] - leaf.centre[i]));
+            p[k][i] = load(leaf.v[k][i]) - o;
+            size = max(size, abs(load(leaf.v[k][i])) + abs(o));
+        }
+    F8 d[3], length = F8{};
+    for (int i = 0; i < 3; ++i) {
+        d[i] = splat(static_cast<float>(ray.d[i]));
+        length += abs(d[i]);
+    }
+    const F8 slack = size * size * length * splat(64 * 0x1p-24f);
+    F8 lo = splat(1e30f), hi = splat(-1e30f);
+    for (int k = 0; k < 3; ++k) {
+        const F8 *u = p[(k + 2) % 3], *w = p[(k + 1) % 3];
+        const F8 volume = d[0] * (u[1] * w[2] - u[2] * w[1]) + d[1] * (u[2] * w[0] - u[0] * w[2]) +
+                          d[2] * (u[0] * w[1] - u[1] * w[0]);
+        lo = min(lo, volume);
+        hi = max(hi, volume);
+    }
+    return leaf.valid & bits((lo >= -slack) | (hi <= slack));
+}
+
+FGENV_INLINE void load_face(const Shape& s, const Leaf& leaf, int lane, Vec3 out[3]) {
+    for (int k = 0; k < 3; ++k) out[k] = s.mesh.vertices[leaf.vertex[k][lane]];
+}
+
+// Crossing of the ray p + s x, s >= 0, with a face seen along x (y to the right, z up): +1 where the
+// ray leaves through it, -1 where it enters, 0 where it passes. Sides are half open in z, so that
+// faces that share an edge share the decision.
+int crossing(Vec3 p, const Vec3 f[3], bool& touching) {
+    const double at[2] = {p.y, p.z};
+    int turns = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3 a = f[k], b = f[(k + 1) % 3];
+        if ((a.z <= p.z) == (b.z <= p.z)) continue;
+        const double a2[2] = {a.y, a.z}, b2[2] = {b.y, b.z};
+        const int side = orient2d(a2, b2, at);
+        if (a.z <= p.z && side > 0) ++turns;
+        if (b.z <= p.z && side < 0) --turns;
+    }
+    const int ahead = orient3d(f[0], f[1], f[2], p);  // > 0: p is below the plane
+    if (ahead == 0) {
+        // On the plane: on the face, or (seen edge-on) beside it.
+        if (edge_meets_face(p, 0, p, 0, f)) touching = true;
+        return 0;
+    }
+    // turns > 0: the normal has a positive x, so the ray leaves if p is below the plane.
+    if (turns > 0) return ahead > 0 ? 1 : 0;
+    if (turns < 0) return ahead < 0 ? -1 : 0;
+    return 0;
+}
+
+// The first hit; with `any` = true the one that is found first.
+template <bool any>
+FGENV_INLINE RayHit cast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
+    RayHit hit{HUGE_VAL, -1};
+    const Ray ray = make_ray(o, d);
+    struct Entry {
+        int32_t child;
+        float near;
+    };
+    Entry stack[stack_size];
+    int top = 0;
+    double reach = max_distance;
+    stack[top++] = {s.tree.nodes[0].child[0], 0.0f};
+    while (top) {
+        const Entry e = stack[--top];
+        if (e.near > reach) continue;
+        if (e.child < 0) {
+            const Leaf& leaf = s.tree.leaves[~e.child];
+            for (uint32_t m = near_ray(leaf, ray); m; m &= m - 1) {
+                const int lane = __builtin_ctz(m);
+                const int32_t face = leaf.face[lane];
+                Vec3 f[3];
+                load_face(s, leaf, lane, f);
+                const double at = ray_meets_face(o, d, f);
+                if (at < 0 || at > reach || (at == hit.distance && face >= hit.face)) continue;
+                reach = at;
+                hit = {at, face};
+                if (any) return hit;
+            }
+            continue;
+        }
+        const Node& n = s.tree.nodes[e.child];
+        F8 entry;
+        const uint32_t m = passed(n, ray.o, ray.inv, reach, entry);
+        const int first = top;
+        for (uint32_t r = m; r; r &= r - 1) {  // nearest last, so it is taken first
+            const int lane = __builtin_ctz(r);
+            const Entry next{n.child[lane], entry[lane]};
+            int at = top++;
+            for (; at > first && stack[at - 1].near < next.near; --at) stack[at] = stack[at - 1];
+            stack[at] = next;
+        }
+    }
+    return hit;
+}
+
+}  // namespace
+
+RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) { return cast<false>(s, o, d, max_distance); }
+
+bool obstructed(const Shape& s, Vec3 o, Vec3 d) { return cast<true>(s, o, d, HUGE_VAL).face >= 0; }
+
+int32_t segment(const Shape& s, Vec3 p, Vec3 q) {
+    const Ray ray = make_ray(p, q - p);
+    double lo[3], hi[3];
+    for (int i = 0; i < 3; ++i) {
+        lo[i] = lesser(coordinate(p, i), coordinate(q, i));
+        hi[i] = greater(coordinate(p, i), coordinate(q, i));
+    }
+    int32_t stack[stack_size];
+    int top = 0;
+    stack[top++] = s.tree.nodes[0].child[0];
+    while (top) {
+        const int32_t child = stack[--top];
+        if (child < 0) {
+            const Leaf& leaf = s.tree.leaves[~child];
+            for (uint32_t m = near_box(leaf, lo, hi); m; m &= m - 1) {
+                const int lane = __builtin_ctz(m);
+                const int32_t face = leaf.face[lane];
+                Vec3 f[3];
+                load_face(s, leaf, lane, f);
+                const int side_p = orient3d(f[0], f[1], f[2], p), side_q = orient3d(f[0], f[1], f[2], q);
+                if (side_p == 0 && side_q == 0) continue;  // within the plane: no hit, as published
+                if (edge_meets_face(p, side_p, q, side_q, f)) return face;
+            }
+            continue;
+        }
+        F8 entry;
+        for (uint32_t m = passed(s.tree.nodes[child], ray.o, ray.inv, 1.0, entry); m; m &= m - 1)
+            stack[top++] = s.tree.nodes[child].child[__builtin_ctz(m)];
+    }
+    return -1;
+}
+
+int winding(const Shape& s, Vec3 p, bool& touching) {
+    touching = false;
+    if (!inside(s.mesh.bounds, p)) return 0;
+    const double lo[3] = {p.x, p.y, p.z}, hi[3] = {1e30, p.y, p.z};
+    int32_t stack[stack_size];
+    int top = 0, number = 0;
+    stack[top++] = s.tree.nodes[0].child[0];
+    while (top) {
+        const int32_t child = stack[--top];
+        if (child < 0) {
+            const Leaf& leaf = s.tree.leaves[~child];
+            for (uint32_t m = near_box(leaf, lo, hi); m; m &= m - 1) {
+                const int lane = __builtin_ctz(m);
+                if (!leaf.bounds[lane]) continue;
+                Vec3 f[3];
+                load_face(s, leaf, lane, f);
+                number += crossing(p, f, touching);
+            }
+            continue;
+        }
+        const Node& n = s.tree.nodes[child];
+        I8 meet = I8{} == 0;
+        for (int i = 0; i < 3; ++i) {
+            const F8 c = load(n.centre[i]), h = load(n.half[i]) * splat(1.000001f);
+            const F8 slack = abs(c) * splat(0x1p-22f);
+            meet &= (c - h - slack <= splat(above(hi[i]))) & (c + h + slack >= splat(below(lo[i])));
+        }
+        for (uint32_t m = bits(meet); m; m &= m - 1) stack[top++] = n.child[__builtin_ctz(m)];
+    }
+    return number;
+}
+
+}  // namespace fgenv::FGENV_ISA

@@ -1,0 +1,114 @@
+// A picture of bodies by the ray kernel: Lambert surfaces under a sun with hard shadows and a sky, on a
+// floor with a grid. The look is that of fgenv/view/shader.py, which says more and is slow.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "render/culling.h"
+#include "render/srgb.h"
+
+namespace fgenv {
+
+// For each face rows (3, 4): times (x, y, z, 1) of a point on it, the normal there, not of unit length.
+using NormalMaps = std::vector<std::array<float, 12>>;
+
+struct PaintedBody {
+    std::shared_ptr<const Shape> shape;
+    std::shared_ptr<const NormalMaps> maps;  // null: flat faces
+    Vec3 color;                              // linear, as all colours here
+};
+
+struct Lighting {
+    Vec3 sun;               // unit vector to it
+    double strength;
+    Vec3 above, below;      // light of the sky and from the ground
+    Vec3 zenith, horizon;   // the sky as seen
+};
+
+struct Ground {
+    double height, grid, fade;  // metres
+    Vec3 color;
+};
+
+// A ring on the floor around a pale disc.
+struct Mark {
+    double x, y, radius;  // metres
+    Vec3 color;
+};
+
+struct Scene {
+    std::vector<PaintedBody> bodies;
+    Lighting light;
+};
+
+struct Antialiasing {
+    int samples;      // squared: as fine is a pixel at an edge; 1: no finer
+    double contrast;  // of linear colour between neighbours: more is an edge
+};
+
+// One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread.
+class Picture {
+public:
+    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
+            const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing);
+
+    int64_t tiles() const { return static_cast<int64_t>(columns_) * rows_; }
+    void look(int64_t first, int64_t last);
+    void finish(int64_t first, int64_t last, uint8_t* out) const;  // out (height, width, 3)
+
+private:
+    static constexpr int side = 8, most = side * side;  // pixels of a tile; rays of a bundle
+    static constexpr unsigned left = 1, right = 2, above = 4, below = 8;
+    struct Pixel {  // of one ray
+        float color[3];
+        int32_t owner;  // a body, or one of those below
+    };
+    static constexpr int32_t sky = -1, sunny_ground = -2, shaded_ground = -3;
+
+    struct Surface {  // what a ray sees
+        int32_t owner;
+        Vec3 point, normal, albedo, sky;
+        double solid;  // 0: the sky alone, 1: the surface alone
+        double sunny;
+    };
+    struct Bundle {  // rays through one tile and what they may meet
+        PixelBox box;
+        std::vector<int32_t> bodies, marks, casters;  // bodies by their nearest depth
+        int n = 0;
+        int pixel[most];
+        Vec3 ray[most];
+        Surface seen[most];
+    };
+
+    PixelBox tile_box(int64_t tile) const;
+    void aim(Bundle& bundle, const PixelBox& box) const;
+    template <class Add>
+    void trace(Bundle& bundle, const Add& add) const;
+    bool differ(const Pixel& a, const Pixel& b) const;
+    unsigned edges(int x, int y) const;
+    template <class Add>
+    void refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const;
+
+    void see(const Bundle& bundle, Vec3 ray, Surface& out) const;
+    void see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface& out) const;
+    void see_ground(const Bundle& bundle, double distance, double slant, Vec3 ray, Surface& out) const;
+    Vec3 ground_albedo(const Bundle& bundle, Vec3 point, Vec3 ray, double slant, double width) const;
+    void cast_shadows(Bundle& bundle) const;
+    Vec3 lit(const Surface& surface) const;
+
+    const Scene& scene_;
+    View view_;
+    SunFrame sun_;
+    bool has_ground_;
+    Ground ground_;
+    std::vector<Placed> bodies_;  // nearest first
+    std::vector<Mark> marks_;
+    std::vector<PixelBox> mark_boxes_;
+    Antialiasing antialiasing_;
+    double slope_per_pixel_, per_grid_, per_fade_;
+    int columns_, rows_;  // of tiles
+    std::vector<Pixel> pixels_;
+};
+
+}  // namespace fgenv

@@ -1,0 +1,277 @@
+// Bodies that move among each other: who may meet whom (masks), and whether they do.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "world/box_index.h"
+#include "motion/certify.h"
+#include "world/fair_mutex.h"
+#include "robot/mover.h"
+
+namespace fgenv {
+
+using BodyId = int32_t;
+
+// A motion known ahead: at `places[i]` at `times[i]` (seconds), between them straight, outside them at rest.
+struct Trajectory {
+    std::vector<double> times;
+    std::vector<Place> places;
+
+    // The leg that holds a time: from a place to the next, and where between them.
+    struct Leg {
+        const Place &from, &to;
+        double begin, length;  // seconds; a length of 0: at rest
+    };
+    Leg leg(double time) const;
+};
+
+// A body is carried by another or stands for itself; with all that it carries it is a mover. A robot's
+// bodies are the shapes of its links; they carry further bodies.
+struct Body {
+    BodyId id;
+    std::shared_ptr<Shape> shape;
+    std::string name;
+    Rigid pose;
+    Box box;     // around it where it is
+    Box extent;  // that, and all along its trajectory
+    std::vector<int32_t> groups;
+    std::vector<BodyId> allowed;  // sorted: contact with them is no collision
+    BodyId carrier = -1, root;
+    int32_t link = 0;              // of the root, if that is a robot
+    Rigid offset = identity();     // in the frame of the root or its link
+    bool built_in = false;         // a shape of a robot
+    bool present = true;           // else nobody meets it
+    std::vector<BodyId> parts;     // of a root: itself, then all that it carries
+    std::vector<BodyId> movers;    // sorted: whose motion box it meets
+    std::unique_ptr<Trajectory> trajectory;  // of a root
+    std::shared_ptr<const Robot> robot;      // of a root that is one, and
+    std::vector<double> q;                   // its configuration, and
+    std::vector<std::pair<int32_t, int32_t>> own_pairs;  // places in `parts` of those that must not meet
+
+    bool stands_for_itself() const { return root == id && !robot; }
+    const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
+    Place place() const { return {pose, q}; }
+    Rigid in(const Frames& frames) const {
+        return stands_for_itself() ? frames.body : compose(frames[link], offset);
+    }
+};
+
+// A shape of a robot.
+struct RobotPart {
+    std::string link_name;
+    int32_t link;
+    std::shared_ptr<Shape> shape;
+    Rigid offset;
+};
+
+struct Path {
+    int bit = 0;
+    std::vector<Place> places;
+    std::vector<Box> legs;               // motion boxes
+    std::vector<int32_t> items;          // of the legs in the index
+    std::vector<BodyId> candidates;      // sorted
+};
+
+enum class Masks : uint8_t { path, published, off };
+
+// When something is asked: NaN is now, with every body where it was set.
+constexpr double now = std::numeric_limits<double>::quiet_NaN();
+
+struct MotionSettings {
+    CertifySettings certify;
+    double from = now, to = now;  // seconds at fractions 0 and 1
+    double resolution = 0;        // metres; over 0: not certified, looked at in steps
+
+    MotionSettings with_speed(double speed) const {
+        MotionSettings out = *this;
+        out.certify.speed = speed;
+        return out;
+    }
+};
+
+struct MotionOutcome {
+    Contact contact;
+    BodyId part = -1, other = -1;
+    int64_t checks = 0;  // pairs of bodies looked at
+    int32_t masked = 0;  // bodies that the motion's mask left
+};
+
+struct Clearance {
+    double distance = HUGE_VAL;
+    BodyId other = -1;
+};
+
+// Two bodies that met when last asked, and are asked first: what is in the way once is so again.
+struct Suspects {
+    BodyId a = -1, b = -1;
+};
+
+struct WorldHit {
+    double distance = HUGE_VAL;
+    BodyId body = -1;
+};
+
+// Methods throw std::invalid_argument. Those that are const may run side by side; whoever calls holds
+// `mutex` accordingly.
+class World {
+public:
+    explicit World(Masks masks) : masks_(masks) {}
+    World(const World& other);
+    ~World();
+
+    BodyId add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
+               const std::vector<std::string>& groups, BodyId id = -1);
+    // Bodies for its parts, the first of which stands for the robot; `allowed`: pairs of parts that may meet.
+    BodyId add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q, const std::vector<RobotPart>& parts,
+                     const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
+                     const std::vector<std::string>& groups);
+    std::string unused_name(const std::string& like) const;
+    // Gives back what may hold the last reference to a shape, to be dropped where Python may be called.
+    std::vector<std::shared_ptr<Shape>> remove(BodyId id);
+    void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
+    void set_configuration(BodyId robot, std::vector<double> q);
+    void set_present(BodyId robot, bool present);  // with all that it carries; without a path then
+    void attach(BodyId id, BodyId carrier);
+    void detach(BodyId id);
+    // What stands for itself is carried again, bit for bit where it was (attaching would round).
+    struct Bond {
+        BodyId carrier, root;
+        int32_t link;
+        Rigid offset;
+        bool built_in;
+        std::vector<BodyId> parts;
+        std::shared_ptr<const Robot> robot;
+        std::vector<double> q;
+    };
+    void restore(BodyId id, Bond bond);
+    void allow(BodyId a, BodyId b, bool allowed);
+    void allow_groups(const std::string& a, const std::string& b, bool allowed);
+    void set_trajectory(BodyId id, Trajectory trajectory);  // without times: forgets it
+
+    // Its bit is the one given, else the one it has, else the lowest that is free.
+    const std::vector<BodyId>& set_path(BodyId robot, std::vector<Place> places, int bit = -1);
+    void clear_path(BodyId robot);
+    const Path* path(BodyId robot) const;
+    const std::map<BodyId, Path>& paths() const { return paths_; }
+    int own_bit(BodyId robot) const;
+
+    bool collides(BodyId robot, const Place& place, double time, double margin) const;
+    // To the nearest of all others, of any of these movers, and among them.
+    Clearance clearance(const std::vector<BodyId>& robots, const std::vector<Place>& places, double time) const;
+    MotionOutcome check_motion(BodyId robot, const Place& from, const Place& to, const MotionSettings& settings) const;
+    // All at once, each against the others' motions too.
+    std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
+                                             const std::vector<Place>& to, const MotionSettings& settings) const;
+    // Moves all at once from where they are, each up to where it first meets something; the others meet it
+    // there. Where nobody overlapped before, nobody does afterwards. With `through` all go on to the end.
+    std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
+                                       const MotionSettings& settings, bool through = false);
+    // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
+    // nobody. Of a motion the beginning is taken to be free. The margin is not one of a mover from itself.
+    bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects) const;
+    bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
+                 const MotionSettings& settings, Suspects& suspects) const;
+    // Whether two movers that go at once are not proved apart, whatever else there is.
+    bool meet(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
+              const MotionSettings& settings) const;
+    // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
+    void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
+              double* distances) const;
+    WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
+
+    // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
+    int32_t blocks() const;
+    void contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const;
+
+    const Body& body(BodyId id) const;  // throws where there is none
+    const Body* find(BodyId id) const;
+    BodyId id_of(const std::string& name) const;  // -1: none
+    int32_t end_id() const { return static_cast<int32_t>(bodies_.size()); }
+    void set_end_id(BodyId id) { bodies_.resize(std::max<size_t>(bodies_.size(), id)); }
+    size_t size() const { return names_.size(); }
+    Masks masks() const { return masks_; }
+    const char* masks_name() const {
+        return masks_ == Masks::path ? "path" : masks_ == Masks::off ? "off" : "published";
+    }
+    const std::vector<std::string>& groups() const { return groups_; }
+    const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
+    bool ignores(const Body& a, const Body& b) const;  // a pair that is never a collision
+    int64_t tests() const { return tests_; }
+    size_t nbytes() const;
+
+    mutable FairMutex mutex;
+
+private:
+    struct Part;
+    struct Sweeping;
+    struct Fleet;
+    struct Pair;
+    struct Stander;
+    struct Meeting {  // of two movers, fractions of the whole motion
+        Contact contact;
+        BodyId of_a = -1, of_b = -1;
+        int64_t checks = 0;
+    };
+
+    Body& at(BodyId id);
+    Body& root_at(BodyId id, const char* what);
+    int32_t group(const std::string& name);
+    const Robot* robot_of(const Body& body) const { return bodies_[body.root]->robot.get(); }
+    void refresh(Body& body, const Rigid& pose);
+    void reindex(const std::vector<BodyId>& moved);
+    void settle(BodyId id);
+    void adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset);
+    void put(const std::vector<BodyId>& roots, const std::vector<Place>& places);
+    void erase_body(BodyId id, std::vector<std::shared_ptr<Shape>>& shapes);
+    void find_own_pairs(Body& robot);
+    void bonds_changed(BodyId root);
+    bool meets(const Path& path, BodyId robot, const Body& body) const;
+    void update_masks(BodyId id);
+    void update_all_masks();
+    void find_movers(BodyId id, std::vector<BodyId>& out) const;
+    void drop_legs(Path& path);
+    std::vector<Box> legs_of(const Body& robot, const std::vector<Place>& places) const;
+    void set_candidates(BodyId robot, std::vector<BodyId> candidates);
+    void candidates(const Body& robot, const Box& box, std::vector<BodyId>& out) const;
+    Rigid pose_of(const Body& body, double time) const;
+    Box box_of(const Body& body, double time) const;
+    Box rough_box(const Body& robot, const Place& from, const Place& to, double margin) const;
+    Sweeping sweeping(const Body& robot, const Place& from, const Place& to, double margin) const;
+    bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
+                    MotionOutcome& out) const;
+    MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s) const;
+    void certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const;
+    void certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
+                     MotionOutcome& out) const;
+    void certify_itself(const Sweeping& moving, const MotionSettings& s, MotionOutcome& out) const;
+    Fleet fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
+                const MotionSettings& s) const;
+    Meeting meeting(const Sweeping& a, bool a_rests, const Sweeping& b, bool b_rests, double begin, double until,
+                    const MotionSettings& s) const;
+    std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
+    std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
+    void count_tests(const std::vector<MotionOutcome>& outcomes) const;
+    std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving) const;
+    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects,
+                    int64_t& asked) const;
+    bool look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
+                 double margin, Suspects& suspects, int64_t& asked) const;
+    bool certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,
+                   Suspects& suspects, int64_t& asked) const;
+
+    Masks masks_;
+    std::vector<std::unique_ptr<Body>> bodies_;  // by id
+    std::map<std::string, BodyId> names_;
+    std::vector<std::string> groups_;
+    std::vector<std::pair<int32_t, int32_t>> allowed_groups_;
+    BoxIndex index_;              // extents of bodies
+    BoxIndex legs_;               // motion boxes
+    std::vector<BodyId> leg_of_;  // by item of legs_, -1: spare
+    std::map<BodyId, Path> paths_;
+    mutable std::atomic<int64_t> tests_{0};
+};
+
+}  // namespace fgenv

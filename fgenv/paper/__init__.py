@@ -1,0 +1,1 @@
+"""The published method in NumPy, the baselines of its comparison, and its figures."""

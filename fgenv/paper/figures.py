@@ -1,0 +1,236 @@
+"""The pictures of the published experiment: the paper's figures 3, 4, 5, 7 and 8."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from fgenv.agents import Experiment, Hit, PathFollower
+from fgenv.agents.events import Configuration
+from fgenv.collision import FeatureGraph, Shape
+from fgenv.collision.world import Record
+from fgenv.scenarios import Scene, bounds
+from fgenv.view.figures.camera import Camera
+from fgenv.view.figures.layout import beside, captioned
+from fgenv.view.figures.palette import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    STEEL,
+    VERMILION,
+    Color,
+)
+from fgenv.view.figures.picture import Picture
+from fgenv.view.figures.quantize import small
+from fgenv.view.figures.scene import close_up, placed, portrait, stage
+from fgenv.view.figures.surfaces import Solid
+
+Floats = NDArray[np.float64]
+LIFT = 0.01  # metres that lines on the floor are above it
+PANEL = (640, 480)
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+BOX_EDGES = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
+
+
+def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
+    """Draw the five pictures into the folder (made if missing); yields each as it is written."""
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    for name, figure in FIGURES.items():
+        small(figure(experiment)).save(target / name, optimize=True)
+        yield target / name
+
+
+def feature_points(experiment: Experiment) -> Image.Image:
+    """Figure 3: the published feature points on the robot and on tank 2."""
+    panels, counts = [], []
+    robot, _, tank, _ = experiment.scene.records
+    for body in (robot, tank):
+        graph = _graph(body, "loop")
+        picture = _alone(body)
+        picture.points(placed(graph.points, body.pose), VERMILION, radius=2.2)
+        panels.append(picture.image())
+        counts.append(f"{len(graph.points)} of {len(body.shape.vertices)} on {body.name}")
+    text = "End points of the edges that bend more than 30 degrees: " + ", ".join(counts)
+    return captioned(beside(panels), "Figure 3. Feature points", text)
+
+
+def feature_graph(experiment: Experiment) -> Image.Image:
+    """Figure 4: the robot's graph as published, and the lossless one that decides here."""
+    body = experiment.scene.records[0]
+    cycle, exact = _graph(body, "loop"), _graph(body, "exact")
+    left, right = _alone(body, ghost=True), _alone(body)
+    left.segments(_edges(cycle, body), VERMILION, width=0.8, hidden=0.6)
+    edges = _edges(exact, body)
+    for kind, color in (("ridge", BLUE), ("valley", VERMILION), ("border", GREEN)):
+        right.segments(edges[exact.kinds == kind], color, width=1.1)
+    text = (
+        f"(a) as published: one cycle of {len(cycle.edges)} chords.  (b) exact: "
+        f"{len(exact.edges)} edges that are not flat, ridges blue, valleys orange"
+    )
+    return captioned(beside([left.image(), right.image()]), "Figure 4. Feature graph", text)
+
+
+def motion_box(experiment: Experiment) -> Image.Image:
+    """Figure 5: the straight path, its motion box, and the masks that it sets."""
+    scene, masks = experiment.scene, experiment.journey.drives[0].masks
+    low, high = masks.motion_boxes[0]  # the path has one leg
+    ghosts = _ghosts(scene, masks.path, 8)
+    corners = low + CORNERS * (high - low)
+    hull = Shape(corners, _BOX_FACES)
+    haze = Solid(hull, np.eye(4), PURPLE, opacity=0.13)
+    bodies = _bodies(experiment, scene.start)
+    colors = {b.name: SKY if masks.masks[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
+    picture = stage(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
+    picture.segments(corners[BOX_EDGES], PURPLE, width=2, hidden=0.3)
+    picture.polyline(_on_floor(masks.path), GREEN, width=2.5, hidden=0.4)
+    for body in bodies:
+        picture.label(_above(body), f"{body.name}: mask {masks.masks[body.name]}", size=17)
+    text = "The whole robot stays in the box all along the straight path; who reaches into it is "
+    text += "tested (mask 1), who does not is not (mask 0)"
+    return captioned(picture.image(), "Figure 5. Motion box and masks", text)
+
+
+def start_and_goal(experiment: Experiment) -> Image.Image:
+    """Figure 7: (a) before the motion, (b) after it, with the way that was driven."""
+    scene, drives = experiment.scene, experiment.journey.drives
+    ends = scene.start, _end(experiment)
+    panels = []
+    for configuration, name in zip(ends, ("(a) start", "(b) goal"), strict=True):
+        bodies = _bodies(experiment, configuration)
+        passed = drives[-1] if name == "(b) goal" and len(drives) > 1 else None
+        ghosts = [] if passed is None else _ghosts(scene, passed.driven, 6)
+        picture = stage(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
+        if name == "(a) start":
+            picture.polyline(_on_floor(scene.straight_path), BLUE, width=2, hidden=0.4)
+        else:
+            for drive, color in zip(drives, (BLUE, GREEN), strict=False):
+                picture.polyline(_on_floor(drive.driven), color, width=2, hidden=0.4)
+        for body in bodies:
+            picture.label(_above(body), body.name, size=15)
+        panels.append(picture.image())
+    if len(drives) > 1:
+        end = "(b) goal, reached by the path planned anew (green)"
+    else:
+        end = "(b) goal" if drives[0].hit is None else "(b) where the motion ended"
+    text = f"(a) start, with the shortest path.  {end}"
+    return captioned(beside(panels), "Figure 7. The scene", text)
+
+
+def collision(experiment: Experiment) -> Image.Image:
+    """Figure 8: the moment of the collision, and its feature edge and face from near."""
+    hit = experiment.journey.drives[0].hit
+    if hit is None:
+        picture = stage(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
+        return captioned(picture.image(), "Figure 8. Collision", "None was met")
+    bodies, colors = _bodies(experiment, hit.after), {hit.mover: ORANGE, hit.body: VERMILION}
+    wide = stage(bodies, _overview(*PANEL), colors)
+    wide.polyline(_on_floor(experiment.journey.drives[0].driven), BLUE, width=2, hidden=0.4)
+    for body in bodies:
+        wide.label(_above(body), body.name, size=15)
+    wide.points([hit.contact.point], INK, radius=4, hidden=1.0)
+    near = _near(bodies, hit, colors)
+    x, y, z = hit.contact.point
+    text = (
+        f"{hit.mover} and {hit.body} meet {hit.time:.2f} s after the start at "
+        f"({x:.3f}, {y:.3f}, {z:.3f}) m: a feature edge (blue) crosses a face (black)"
+    )
+    return captioned(beside([wide.image(), near.image()]), "Figure 8. Collision", text)
+
+
+def _near(bodies: list[Record], hit: Hit, colors: dict[str, Color]) -> Picture:
+    solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
+    point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
+    camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
+    picture = stage(bodies, camera, colors, grid=0.25)
+    if hit.contact.face is not None:
+        body = pair[hit.body if hit.contact.edge_of == "a" else hit.mover]
+        face = placed(body.shape.vertices[body.shape.faces[hit.contact.face]], body.pose)
+        picture.polyline(face[[0, 1, 2, 0]], INK, width=2, hidden=0.5)
+    if hit.contact.edge is not None:
+        picture.segments([hit.contact.edge], BLUE, width=3, hidden=0.5)
+    picture.points([point], INK, radius=4, hidden=1.0)
+    return picture
+
+
+def _alone(body: Record, ghost: bool = False) -> Picture:
+    camera = portrait(body, *PANEL)
+    size = float(np.ptp(bounds(body), axis=0).max())
+    grid = float(10.0 ** np.floor(np.log10(size)) / 4)
+    if not ghost:
+        return stage([body], camera, {body.name: STEEL}, grid=grid)
+    solid = Solid(body.shape, body.pose, STEEL, opacity=0.35)
+    return stage([], camera, {}, extra=[solid], grid=grid)
+
+
+def _graph(body: Record, method: str) -> FeatureGraph:
+    return FeatureGraph(body.shape.vertices, body.shape.faces, method=method)
+
+
+def _edges(graph: FeatureGraph, body: Record) -> Floats:
+    return placed(graph.points[graph.edges], body.pose)
+
+
+def _end(experiment: Experiment) -> Configuration:
+    """Where the mover came to stand."""
+    x, y, yaw = experiment.journey.drives[-1].driven[-1].tolist()
+    return x, y, yaw
+
+
+def _bodies(experiment: Experiment, at: Configuration) -> list[Record]:
+    mover, *others = experiment.scene.records
+    return [replace(mover, pose=experiment.scene.poses(at)), *others]
+
+
+def _overview(width: int, height: int) -> Camera:
+    return Camera((-2.0, -7.6, 6.6), (4.0, 3.1, 0.2), 0.6, width, height)
+
+
+def _ghosts(scene: Scene, path: Floats, count: int) -> list[Solid]:
+    """The mover, pale, at so many places spread along a path."""
+    follower = PathFollower(path, speed=1.0, radius=0.0)
+    poses = scene.poses(follower.at(np.linspace(0, follower.duration, count + 1)[1:]))
+    shape = scene.world.record(scene.mover).shape
+    return [Solid(shape, pose, ORANGE, opacity=0.3) for pose in poses]
+
+
+def _on_floor(path: Floats) -> Floats:
+    return np.column_stack([path[:, :2], np.full(len(path), LIFT)])
+
+
+def _above(body: Record) -> Floats:
+    low, high = bounds(body)
+    middle = (low + high) / 2
+    return np.array([middle[0], middle[1], high[2] + 0.3])
+
+
+_BOX_FACES = np.array(
+    [
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+        (1, 5, 7),
+        (1, 7, 3),
+    ]
+)
+
+FIGURES: dict[str, Callable[[Experiment], Image.Image]] = {
+    "figure_3_feature_points.png": feature_points,
+    "figure_4_feature_graph.png": feature_graph,
+    "figure_5_motion_box.png": motion_box,
+    "figure_7_start_and_goal.png": start_and_goal,
+    "figure_8_collision.png": collision,
+}

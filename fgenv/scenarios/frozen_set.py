@@ -1,0 +1,195 @@
+"""Frozen evaluation sets: many cases of one scenario, the same for everybody, known by a hash.
+
+A set keeps what differs from case to case: starts, goals and where bodies stand, as whole numbers
+of a micrometre or microradian (`int32`), and one scenario as a template for all the rest. Its id is
+the SHA-256 of these numbers, little-endian, and of the template's JSON: the same on any machine,
+whatever packed the file. A set stays readable when a generator changes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import Problem, ScenarioError
+from .schema import Scenario
+
+FORMAT = "fgenv frozen set 1"
+MOST = 100_000  # cases
+CASES, SEED = 500, 1_000_000  # a seed far from those that people train with
+SCALE = 1e6  # numbers in a metre or radian
+Numbers = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenSet:
+    """Cases of one scenario. `len`, indexing and iteration give `Scenario`s.
+
+    Attributes:
+        template: the first case.
+        seeds: (cases,) of the generator; case i is what `Scenario.load` gives with seeds[i], as
+            long as the generator is what it was.
+        starts, goals: (cases, numbers), the robots' configurations one after another, 1e-6 m or rad
+            (a quaternion's numbers: 1e-6).
+        bodies: (cases, bodies, 6), position and rpy, 1e-6 m or rad.
+    """
+
+    template: Scenario
+    seeds: NDArray[np.int64]
+    starts: Numbers
+    goals: Numbers
+    bodies: Numbers
+
+    def __len__(self) -> int:
+        return len(self.seeds)
+
+    def __getitem__(self, i: int) -> Scenario:
+        if not -len(self) <= i < len(self):
+            raise IndexError(f"case {i} of {len(self)}")
+        robots, ends = [], np.cumsum([0, *(len(r.start) for r in self.template.robots)])
+        for k, spec in enumerate(self.template.robots):
+            part = slice(ends[k], ends[k + 1])
+            start, goal = plain(self.starts[i, part]), plain(self.goals[i, part])
+            robots.append(spec.model_copy(update={"start": start, "goal": goal}))
+        bodies = [
+            body.model_copy(update={"position": plain(p[:3]), "rpy": plain(p[3:])})
+            for body, p in zip(self.template.bodies, self.bodies[i], strict=True)
+        ]
+        changes = {"robots": tuple(robots), "bodies": tuple(bodies), "seed": int(self.seeds[i])}
+        return self.template.model_copy(update=changes)
+
+    def __iter__(self) -> Iterator[Scenario]:
+        return (self[i] for i in range(len(self)))
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What is hashed and stored, little-endian."""
+        return {
+            "seeds": self.seeds.astype("<i8"),
+            "starts": self.starts.astype("<i4"),
+            "goals": self.goals.astype("<i4"),
+            "bodies": self.bodies.astype("<i4"),
+        }
+
+    @cached_property
+    def id(self) -> str:
+        """The set's name for good: 64 hexadecimal digits."""
+        found = hashlib.sha256(f"{FORMAT}\n{text_of(self.template)}\n".encode())
+        for name, array in self.arrays.items():
+            found.update(f"{name} {array.shape}\n".encode() + array.tobytes())
+        return found.hexdigest()
+
+    def save(self, path: str | Path) -> None:
+        """Write a compressed .npz file."""
+        with open(path, "wb") as file:
+            head = {"format": FORMAT, "id": self.id, "template": text_of(self.template)}
+            np.savez_compressed(file, **head, **self.arrays)  # type: ignore[arg-type]
+
+    def __repr__(self) -> str:
+        name, n = self.template.name, len(self.template.robots)
+        return f"FrozenSet({len(self)} cases of {name}, {n} robots, id {self.id[:12]})"
+
+
+def frozen(
+    source: str | Path,
+    *,
+    cases: int = CASES,
+    seed: int = SEED,
+    id: str | None = None,
+    progress: Callable[[int], object] | None = None,
+    **overrides: Any,
+) -> FrozenSet:
+    """A frozen set from a file, or made from a built-in scenario.
+
+    Args:
+        source: a file that `FrozenSet.save` wrote (it ends in .npz), or a built-in scenario's name.
+        cases, seed, overrides: to make one: case i is the scenario with seed + i.
+        id: what the set's id, or its beginning, has to be.
+        progress: called with the number of cases made so far.
+
+    Raises:
+        ScenarioError: damaged file, other id, or what `Scenario.load` raises.
+        FileNotFoundError: no such file.
+    """
+    is_file = Path(source).suffix == ".npz"
+    if is_file and overrides:
+        raise TypeError(f"overrides: {', '.join(overrides)}, a file of a set takes none")
+    found = opened(Path(source)) if is_file else made(str(source), cases, seed, overrides, progress)
+    if id is not None and not found.id.startswith(id):
+        raise ScenarioError(
+            source, [Problem(f"has id {found.id}, wanted {id}", "get the set meant")]
+        )
+    return found
+
+
+def made(
+    name: str,
+    cases: int,
+    seed: int,
+    overrides: dict[str, Any],
+    progress: Callable[[int], object] | None = None,
+) -> FrozenSet:
+    """Generate the cases; each is checked by its generator."""
+    if not 1 <= cases <= MOST:
+        raise ValueError(f"cases: {cases}, wanted 1 to {MOST}")
+    every = []
+    for i in range(cases):
+        every.append(Scenario.load(name, seed=seed + i, **overrides))
+        if progress is not None:
+            progress(i + 1)
+    columns = zip(*(numbers(s) for s in every), strict=True)
+    starts, goals, bodies = (np.array(column, dtype=np.int32) for column in columns)
+    template, seeds = every[0], np.array([s.seed for s in every], dtype=np.int64)
+    result = FrozenSet(template, seeds, starts, goals, bodies.reshape(cases, -1, 6))
+    for i, scenario in enumerate(every):
+        if result[i] != scenario:
+            told = f"case {i} differs from the first in more than places, or has finer numbers"
+            raise ScenarioError(name, [Problem(told, "it cannot be frozen")])
+    return result
+
+
+def numbers(scenario: Scenario) -> tuple[list[int], list[int], list[int]]:
+    """Starts, goals and places of bodies in millionths."""
+    starts = [x for robot in scenario.robots for x in robot.start]
+    goals = [x for robot in scenario.robots for x in robot.goal]
+    bodies = [x for body in scenario.bodies for x in (*body.position, *body.rpy)]
+    whole = [[round(x * SCALE) for x in values] for values in (starts, goals, bodies)]
+    return whole[0], whole[1], whole[2]
+
+
+def plain(values: Sequence[int] | NDArray[Any]) -> tuple[float, ...]:
+    """Millionths as numbers: the nearest doubles, as a file with six decimals gives them."""
+    return tuple(float(x) for x in np.asarray(values, dtype=np.float64) / SCALE)
+
+
+def text_of(template: Scenario) -> str:
+    """The template as JSON in one order; defaults are left out, so that a new one changes no id."""
+    data = template.model_dump(mode="json", exclude_defaults=True)
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+
+
+def opened(path: Path) -> FrozenSet:
+    """Read and verify a file."""
+    damaged = ScenarioError(path, [Problem("is damaged, or no frozen set", "get or make it again")])
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            if str(file["format"]) != FORMAT:
+                raise damaged
+            template = Scenario.model_validate(json.loads(str(file["template"])))
+            arrays = [file[name] for name in ("seeds", "starts", "goals", "bodies")]
+            found, said = FrozenSet(template, *arrays), str(file["id"])
+    except FileNotFoundError:
+        raise
+    except Exception as error:  # zip, zlib, NumPy and JSON each have their own
+        raise damaged from error
+    if found.id != said:
+        raise damaged
+    return found

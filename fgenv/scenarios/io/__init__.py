@@ -1,0 +1,1 @@
+"""Files of other programs: YAML with line numbers, MoveIt scenes, ROS messages."""

@@ -1,0 +1,76 @@
+"""Messages of ROS as YAML shows them: poses and states of joints. Quaternions are x, y, z, w."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fgenv.scenarios.schema import Placement
+
+from .yaml_node import Node
+
+Pose = NDArray[np.float64]
+DECIMALS = 12  # of angles: what is left is the same on every machine
+
+
+def pose_of(node: Node | None) -> Pose:
+    """A geometry_msgs/Pose, (4, 4); what is left out is 0."""
+    pose = np.eye(4)
+    if node is None:
+        return pose
+    if (turn := node.find("orientation")) is not None:
+        pose[:3, :3] = turned(turn)
+    if (at := node.find("position")) is not None:
+        pose[:3, 3] = at.numbers("xyz")
+    return pose
+
+
+def turned(node: Node) -> Pose:
+    """The rotation (3, 3) of a quaternion; as in MoveIt, all zeros are no turn."""
+    x, y, z, w = node.numbers("xyzw")
+    size = x * x + y * y + z * z + w * w
+    if size == 0.0:
+        return np.eye(3)
+    if abs(size - 1.0) > 0.1:
+        node.fail(f"has length {math.sqrt(size):g}", "wanted a quaternion of length 1")
+    s = 2.0 / size
+    return np.array([
+        [1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
+        [s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)],
+        [s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)],
+    ])  # fmt: skip
+
+
+def placement(pose: Pose) -> Placement:
+    """The same pose in the schema's terms."""
+    r = pose[:3, :3].tolist()
+    level = math.hypot(r[0][0], r[1][0])
+    pitch = math.atan2(-r[2][0], level)
+    if level > 1e-9:
+        roll, yaw = math.atan2(r[2][1], r[2][2]), math.atan2(r[1][0], r[0][0])
+    else:  # x is upright: roll and yaw are one turn
+        roll, yaw = math.atan2(-r[1][2], r[1][1]), 0.0
+    x, y, z = (float(v) for v in pose[:3, 3])
+    a, b, c = (round(angle, DECIMALS) + 0.0 for angle in (roll, pitch, yaw))
+    return Placement(position=(x, y, z), rpy=(a, b, c))
+
+
+def joints(state: Node) -> dict[str, float]:
+    """Values of joints by name, of a sensor_msgs/JointState."""
+    names, values = list(state.items("name")), list(state.items("position"))
+    if len(names) != len(values):
+        state.fail(f"has {len(names)} names, {len(values)} positions", "wanted one for each")
+    return {name.text(): value.number() for name, value in zip(names, values, strict=True)}
+
+
+def mounted(state: Node | None) -> Placement:
+    """Where the start state puts the robot: the transform of its virtual joint."""
+    first = None if state is None else next(state.items("transforms"), None)
+    if first is None:
+        return Placement()
+    pose = np.eye(4)
+    pose[:3, :3] = turned(first.get("rotation"))
+    pose[:3, 3] = first.get("translation").numbers("xyz")
+    return placement(pose)

@@ -1,0 +1,203 @@
+"""YAML in and out: PyYAML reads, lines are kept, and what is written is short and stable."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.shapes.bodies import MeshFile
+
+if TYPE_CHECKING:
+    from fgenv.scenarios.schema import Scenario
+
+LONGEST = 50_000_000  # characters of a file
+WIDTH = 100
+Location = Sequence[str | int]
+
+
+class Loader(yaml.SafeLoader):
+    """YAML's plain values; 1e-3 is a number, as in YAML 1.2."""
+
+
+class FastLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """The same for large files of others: by libyaml, where PyYAML has it."""
+
+
+for _loader in (Loader, FastLoader):
+    _loader.add_implicit_resolver(
+        "tag:yaml.org,2002:float",
+        re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
+        list("-+.0123456789"),
+    )
+
+
+@dataclass(frozen=True)
+class Document:
+    """A file: its values, and where they stand."""
+
+    data: Any
+    root: yaml.Node | None = None
+    problems: Sequence[Problem] = field(default=())  # keys that stand twice
+
+    def line(self, location: Location) -> int | None:
+        """The line (from 1) of what stands at `location`, or of the nearest around it."""
+        node, line = self.root, None
+        for step in location:
+            if isinstance(node, yaml.MappingNode):
+                found = next(((k, v) for k, v in node.value if k.value == str(step)), None)
+            elif isinstance(node, yaml.SequenceNode) and isinstance(step, int):
+                found = (node.value[step],) * 2 if step < len(node.value) else None
+            else:
+                break
+            if found is not None:  # else a tag of the schema, or a key that is missing
+                key, node = found
+                line = key.start_mark.line + 1
+        return 1 if line is None and self.root is not None else line
+
+
+def read(path: Path, loader: type[Any] = Loader) -> Document:
+    """Parse a file.
+
+    Args:
+        loader: `Loader` or `FastLoader`.
+
+    Raises:
+        ScenarioError: not text, or not YAML; with the line.
+        OSError: as opening it does.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(
+            path, [Problem(f"is not text: {error.reason}", "write UTF-8")]
+        ) from None
+    return parse(text, path, loader)
+
+
+def parse(text: str, path: Path, loader: type[Any] = Loader) -> Document:
+    """Parse text; `path` is for messages."""
+    if len(text) > LONGEST:
+        raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
+    reader = loader(text)
+    try:
+        root = reader.get_single_node()
+        data = None if root is None else reader.construct_document(root)
+        return Document(data, root, tuple(repeated(root)))
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        what = f"is not YAML: {error.problem or error.context}"
+        raise ScenarioError(
+            path, [Problem(what, "see the YAML", line=mark.line + 1 if mark else None)]
+        ) from None
+    except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
+        reason = str(error) or type(error).__name__
+        what = f"is not YAML: {reason.splitlines()[0]}"
+        raise ScenarioError(path, [Problem(what, "write plain YAML")]) from None
+    except RecursionError:
+        raise ScenarioError(path, [Problem("is nested too deep", "write plain YAML")]) from None
+    finally:
+        reader.dispose()
+
+
+def repeated(root: yaml.Node | None) -> list[Problem]:
+    """Keys that stand twice in one mapping, of which YAML would take the last in silence."""
+    found, stack, seen = [], [root], set()
+    while stack:
+        node = stack.pop()
+        if id(node) in seen or not isinstance(node, yaml.CollectionNode):
+            continue
+        seen.add(id(node))
+        if isinstance(node, yaml.SequenceNode):
+            stack += node.value
+            continue
+        keys: dict[str, int] = {}
+        for key, value in node.value:
+            line = key.start_mark.line + 1
+            if str(key.value) in keys and isinstance(key, yaml.ScalarNode):
+                first = keys[str(key.value)]
+                found.append(Problem(f"stands twice, first in line {first}", "keep one",
+                                     where=str(key.value), line=line))  # fmt: skip
+            keys[str(key.value)] = line
+            stack.append(value)
+    return found
+
+
+def write(scenario: Scenario, path: Path) -> None:
+    """See `Scenario.save`."""
+    path.write_text(dump(moved(scenario, path.parent)), encoding="utf-8")
+
+
+def moved(scenario: Scenario, folder: Path) -> Scenario:
+    """The same scenario, its mesh and URDF files by their paths from another folder."""
+
+    def path(file: str) -> str:
+        if file.startswith("package://") or Path(file).is_absolute():
+            return file
+        return Path(os.path.relpath((scenario.folder or Path()) / file, folder)).as_posix()
+
+    shapes = {
+        name: form.model_copy(update={"file": path(form.file)})
+        if isinstance(form, MeshFile)
+        else form
+        for name, form in scenario.shapes.items()
+    }
+    models = {
+        name: model.model_copy(
+            update={k: path(v) for k in ("urdf", "srdf") if (v := getattr(model, k))}
+        )
+        for name, model in scenario.models.items()
+    }
+    return scenario.model_copy(update={"shapes": shapes, "models": models}).at(folder)
+
+
+def dump(scenario: Scenario) -> str:
+    """The scenario as YAML, its defaults left out; one line for what is short."""
+    data = scenario.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+    return str(yaml.dump(Block(data), Dumper=Dumper, sort_keys=False, width=WIDTH))
+
+
+class Block(dict[str, Any]):
+    """A mapping of the outermost level: its values start lines of their own."""
+
+
+class Dumper(yaml.SafeDumper):
+    """Collections of plain values in one line, all others in lines of their own."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Anchors are hard to read."""
+        return True
+
+
+def _block(dumper: Dumper, data: Block) -> yaml.Node:
+    node = dumper.represent_mapping("tag:yaml.org,2002:map", data, flow_style=False)
+    for _, value in node.value:
+        if isinstance(value, yaml.MappingNode):  # shapes, models: a line each
+            value.flow_style = False
+            entries = [v for _, v in value.value]
+        elif isinstance(value, yaml.SequenceNode):
+            value.flow_style = False
+            entries = value.value
+        else:
+            continue
+        for entry in entries:
+            flowing(entry)
+    return node
+
+
+def flowing(node: yaml.Node) -> None:
+    """This node and all in it in one line."""
+    if isinstance(node, yaml.CollectionNode):
+        node.flow_style = True
+        for child in node.value:
+            for part in child if isinstance(child, tuple) else (child,):
+                flowing(part)
+
+
+Dumper.add_representer(Block, _block)

@@ -1,0 +1,1 @@
+"""Meshes of the bodies in the built-in scenarios."""

@@ -1,0 +1,1 @@
+"""Shapes as a scenario file describes them: a kind, and its sizes."""

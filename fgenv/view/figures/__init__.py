@@ -1,0 +1,1 @@
+"""Pictures, movies and plots, drawn without a display."""

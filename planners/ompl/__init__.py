@@ -1,0 +1,1 @@
+"""OMPL: state spaces, validity checkers and objectives on a world of fgenv."""

@@ -1,0 +1,1 @@
+"""Roadmaps: their construction, and timed motions along their edges."""

@@ -1,0 +1,1 @@
+"""Safe interval path planning among moving robots."""

@@ -1,0 +1,137 @@
+"""Policies: each goes by the one protocol; goto alone reaches every goal in free space."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.episodes import DRIVES, alone
+
+from fgenv.agents import POLICIES, GoTo, RandomPolicy, policy_of, run_episode
+from fgenv.envs import Simulator, View
+from fgenv.metrics import Results
+
+MODES = ("drive", "way_points")
+
+
+def begun(policy: str, simulator: Simulator, seed: int = 0) -> np.ndarray:
+    """The first actions of a policy."""
+    made = policy_of(policy, seed)
+    observations = simulator.reset(seed=0)
+    made.reset(View(simulator))
+    return made.act(observations)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("kind", DRIVES)
+def test_goto_alone_reaches_every_goal_in_free_space(kind: str, mode: str) -> None:
+    for seed in range(12):
+        simulator = Simulator(alone(kind, seed), actions=mode, autoreset=False)
+        run_episode(simulator, GoTo())
+        (robot,) = Results.of(simulator).robots
+        assert robot.success, f"seed {seed}"
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("kind", DRIVES)
+def test_rest_stays_where_it_is(kind: str, mode: str) -> None:
+    simulator = Simulator(alone(kind), actions=mode, autoreset=False)
+    record = run_episode(simulator, policy_of("rest"), steps=20)
+    at = record["configurations"]
+    np.testing.assert_allclose(at, np.broadcast_to(at[0], at.shape), atol=1e-12)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("name", ["swap", "forest", "cell"])
+def test_actions_are_of_the_wanted_shape_and_range(name: str, policy: str, mode: str) -> None:
+    simulator = Simulator(name, 3, n=2, actions=mode)
+    if policy == "orca" and name != "swap":
+        with pytest.raises(ValueError, match="wanted discs on a plane"):
+            begun(policy, simulator)
+        return
+    method = ":composite" if policy in ("plan", "replan") else ""  # the fastest of two robots
+    actions = begun(policy + method, simulator)
+    assert actions.shape == (3, 2, simulator.action_size)
+    assert actions.dtype == np.float64
+    assert (np.abs(actions) <= 1).all()
+    assert np.isfinite(simulator.step(actions).observations).all()
+
+
+def test_same_seed_same_actions() -> None:
+    simulator = Simulator("swap", 2, n=4)
+    a, b, c = (begun("random", simulator, seed) for seed in (5, 5, 6))
+    np.testing.assert_array_equal(a, b)
+    assert (a != c).all()
+
+
+def test_random_acts_otherwise_in_the_next_episode() -> None:
+    simulator, policy = Simulator("swap", n=4), RandomPolicy(5)
+    acts = []
+    for _ in range(2):
+        observations = simulator.reset(seed=0)
+        policy.reset(View(simulator))
+        acts.append(policy.act(observations))
+    assert (acts[0] != acts[1]).all()
+
+
+def test_a_policy_may_be_anything_that_acts() -> None:
+    class Circle:
+        def reset(self, view: View) -> None:
+            self.shape = view.n_worlds, view.n_robots, view.action_size
+
+        def act(self, observations: np.ndarray) -> np.ndarray:
+            return np.full(self.shape, 0.5)
+
+    record = run_episode(Simulator("swap", n=2, autoreset=False), Circle(), steps=7)
+    assert (len(record), record.policy) == (7, "Circle")
+
+
+def test_unknown_policy_is_told_with_the_nearest() -> None:
+    with pytest.raises(ValueError, match=r"policy: 'gotoo' is not known; did you mean 'goto'\?"):
+        policy_of("gotoo")
+    with pytest.raises(ValueError, match=r"wanted one of: goto, .*random, rest"):
+        policy_of("xyz")
+    with pytest.raises(ValueError, match="seed: -1, wanted 0 or more"):
+        policy_of("random", -1)
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+def test_acting_before_reset_is_told(policy: str) -> None:
+    with pytest.raises(RuntimeError, match="act before reset"):
+        policy_of(policy).act(np.zeros((1, 1, 1), dtype=np.float32))
+
+
+def test_several_worlds_are_no_episode() -> None:
+    with pytest.raises(ValueError, match="simulator: has 3 worlds, wanted one"):
+        run_episode(Simulator("swap", 3, n=2, autoreset=False), GoTo())
+
+
+def test_a_view_follows_its_simulator_and_changes_nothing() -> None:
+    simulator = Simulator("swap", n=2, autoreset=False)
+    view = View(simulator)
+    simulator.reset(seed=0)
+    before = simulator.state()
+    for name in ("configurations", "goals", "velocities", "moving", "steps"):
+        getattr(view, name)[:] = 1
+        with pytest.raises(AttributeError):
+            setattr(view, name, 0)
+    world = view.world()
+    world.remove(view.names[0])
+    assert simulator.state() == before
+    assert view.moving.tolist() == [[True, True]]
+    simulator.step(view.toward(view.goals))
+    assert view.steps.tolist() == [1]
+    np.testing.assert_array_equal(view.configurations, simulator.configurations)
+    assert (view.dt, view.horizon) == (simulator.dt, simulator.horizon)
+    assert (view.robots, view.layouts) == (simulator.robots, simulator.layouts)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_wrong_targets_are_told(mode: str) -> None:
+    simulator = Simulator("swap", n=2, actions=mode)
+    simulator.reset(seed=0)
+    view = View(simulator)
+    with pytest.raises(ValueError, match=r"targets: shape \(2, 3\), wanted \(1, 2, 3\)"):
+        view.toward(np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="targets"):
+        view.toward(np.full((1, 2, 3), np.nan))

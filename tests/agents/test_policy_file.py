@@ -1,0 +1,152 @@
+"""Files of policies: whole, verified, and refused where they do not fit."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fgenv.agents import PolicyError, PolicyFile, Trained, policy_of
+from fgenv.agents.named_policies import checked
+from fgenv.envs import Observation, Simulator, View
+
+SEEN = Observation(lidar=False, neighbours=2, pad=True)
+
+
+def made(near: float = 0.0, **about: Any) -> PolicyFile:
+    """A small one for `swap` of discs."""
+    rng, sizes = np.random.default_rng(0), (20, 5, 2)
+    layers = tuple((rng.normal(size=s), rng.normal(size=s[1])) for s in zip(sizes, sizes[1:]))  # noqa: B905, RUF007
+    told = {
+        "observation": asdict(SEEN),
+        "parts": [["goal", 4], ["velocity", 2], ["neighbours", 14]],
+        "actions": "drive",
+        "action_names": [["v", "m/s", -1.0, 1.0], ["yaw_rate", "rad/s", -2.0, 2.0]],
+        "near": near,
+        "activation": "tanh",
+        "clip": 10.0,
+        **about,
+    }
+    return PolicyFile(told, rng.normal(size=20), rng.uniform(0.5, 2.0, 20), layers)
+
+
+def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
+    file = made(name="mine", command="by hand", seed=7)
+    file.save(tmp_path / "policy.npz")
+    again = PolicyFile.load(tmp_path / "policy.npz")
+    assert (again.id, again.about) == (file.id, file.about)
+    for name, array in file.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], array)
+    assert (tmp_path / "policy.npz").stat().st_size < 5_000
+
+
+def test_it_acts_as_its_numbers_say() -> None:
+    file = made()
+    policy, simulator = Trained(file), Simulator("swap", 3, n=4, observation=SEEN)
+    rows = simulator.reset(seed=0)
+    policy.reset(View(simulator))
+    hidden = np.clip((rows - file.mean) / file.std, -10, 10)
+    (w0, b0), (w1, b1) = file.layers
+    wanted = np.clip(np.tanh(hidden @ w0 + b0) @ w1 + b1, -1, 1)
+    np.testing.assert_allclose(policy.act(rows), wanted, atol=1e-12)
+
+
+def test_near_its_goal_goto_takes_over() -> None:
+    file = made(near=4.0)
+    plain, added = Trained(made()), Trained(file)
+    simulator = Simulator("swap", n=4, jitter=0.3, seed=5, observation=SEEN)
+    rows = simulator.reset(seed=0)
+    for policy in (plain, added):
+        policy.reset(View(simulator))
+    goto, there = simulator.toward(simulator.goals), simulator.remaining[..., None] < 4.0
+    assert 0 < there.sum() < 4
+    np.testing.assert_array_equal(added.act(rows), np.where(there, goto, plain.act(rows)))
+
+
+def test_way_points_have_numbers_of_their_own(tmp_path: Path) -> None:
+    """They are configurations: three numbers for a drive of two."""
+    file = made(actions="way_points")
+    (first, (w, b)) = file.layers
+    wider = (np.concatenate([w, w[:, :1]], axis=1), np.concatenate([b, b[:1]]))
+    replace(file, layers=(first, wider)).save(tmp_path / "policy.npz")
+    policy = Trained.load(tmp_path / "policy.npz")
+    simulator = Simulator("swap", n=3, observation=SEEN, actions="way_points")
+    rows = simulator.reset(seed=0)
+    policy.reset(View(simulator))
+    assert policy.act(rows).shape == (1, 3, simulator.action_size) == (1, 3, 3)
+
+
+def test_damage_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "policy.npz"
+    made().save(path)
+    whole = path.read_bytes()
+    for bad in (whole[:-30], b"", whole[:100] + b"\0" * 20 + whole[120:]):
+        path.write_bytes(bad)
+        with pytest.raises(PolicyError, match="is damaged, or no policy"):
+            PolicyFile.load(path)
+    with np.load(_saved(tmp_path)) as file:
+        arrays = dict(file)
+    np.savez(path, **{**arrays, "offsets_1": arrays["offsets_1"] + 1})
+    with pytest.raises(PolicyError, match="is damaged"):
+        PolicyFile.load(path)
+    np.savez(path, **{**arrays, "format": "fgenv policy 2"})
+    with pytest.raises(PolicyError, match="is 'fgenv policy 2', wanted 'fgenv policy 1'"):
+        PolicyFile.load(path)
+
+
+def _saved(folder: Path) -> Path:
+    made().save(folder / "good.npz")
+    return folder / "good.npz"
+
+
+def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        PolicyFile.load(tmp_path / "none.npz")
+    with pytest.raises(ValueError, match=r"wanted a name that ends in \.npz"):
+        made().save(tmp_path / "policy.zip")
+    with pytest.raises(PolicyError, match="activation: 'gelu', wanted tanh or relu"):
+        made(activation="gelu")
+    with pytest.raises(PolicyError, match=r"mean, std: wanted \(6,\)"):
+        made(parts=[["goal", 4], ["velocity", 2]])
+    for change, told in (
+        ({"layers": ()}, "layers: none, wanted from 20 to 2"),
+        ({"layers": made().layers[:1]}, "layers: from 20 to 5 numbers, wanted from 20 to 2"),
+        ({"mean": np.full(20, np.nan)}, "mean, std: wanted finite numbers"),
+        ({"about": {"near": 0.0}}, "says nothing of action_names, actions, activation, clip"),
+    ):
+        with pytest.raises(PolicyError, match=told):
+            replace(made(), **change)
+    with pytest.raises(
+        ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:"
+    ):
+        policy_of("mlp:")
+    (tmp_path / "model.zip").write_bytes(b"no zip")
+    pytest.importorskip("stable_baselines3")
+    with pytest.raises(ValueError, match="wanted a model that Stable-Baselines3 saved"):
+        policy_of(f"sb3:{tmp_path / 'model.zip'}")
+
+
+def test_other_packages_offer_policies(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fgenv.agents import RandomPolicy, named_policies
+
+    class Point:
+        @staticmethod
+        def load() -> Any:
+            return lambda argument, seed: RandomPolicy(seed + len(argument))
+
+    asked = []
+
+    def points(*, group: str, name: str) -> list[type[Point]]:
+        asked.append((group, name))
+        return [Point] if name == "mine" else []
+
+    monkeypatch.setattr(named_policies, "entry_points", points)
+    assert isinstance(policy_of("mine:abc", 4), RandomPolicy)
+    assert asked == [("fgenv.policies", "mine")]
+    with pytest.raises(ValueError, match="policy: 'yours' is not known"):
+        policy_of("yours")
+    with pytest.raises(TypeError, match="'mine' makes a int, wanted one with"):
+        checked(3, "mine")

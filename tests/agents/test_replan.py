@@ -1,0 +1,86 @@
+"""Policy `replan`: the world as it is, not as the plan took it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from agents.test_plan_policy import Held, driven
+
+from fgenv.agents import Replanning, policy_of, run_episode
+from fgenv.agents.tracking.replan_problem import from_here, onward
+from fgenv.envs import Policy, Simulator, View
+from fgenv.metrics import Results
+
+
+class Mixed:
+    """A robot by another policy than all others."""
+
+    def __init__(self, policy: Policy, other: Policy) -> None:
+        self.both = policy, other
+
+    def reset(self, view: View) -> None:
+        for policy in self.both:
+            policy.reset(view)
+
+    def act(self, observations: np.ndarray) -> np.ndarray:
+        actions, other = (policy.act(observations) for policy in self.both)
+        actions[:, 0] = other[:, 0]
+        return np.asarray(actions)
+
+
+@pytest.mark.parametrize(("name", "n"), [("swap", 4), ("doorway", 3), ("cell", 2)])
+def test_where_nothing_happens_it_is_the_plan(name: str, n: int) -> None:
+    results, policy = driven(name, "replan:composite", n=n)
+    assert isinstance(policy, Replanning)
+    assert results.success_rate == 1.0
+    assert (results.collisions, policy.replans) == (0, 0)
+    assert policy.tracking_error < 1e-9
+
+
+@pytest.mark.parametrize("name", ["swap", "warehouse"])
+def test_others_go_around_who_never_comes(name: str) -> None:
+    simulator, policy = Simulator(name, n=4, autoreset=False), Replanning("prioritized")
+    record = run_episode(simulator, Held(policy, 1, 10, 10_000), steps=200)
+    results = Results.of(record)
+    assert (record["hits"] == -1).all()
+    assert policy.replans >= 1
+    assert sum(robot.success for robot in results.robots) == 3
+
+
+def test_who_comes_later_is_counted_on_again() -> None:
+    simulator, policy = Simulator("swap", n=4, autoreset=False), Replanning("prioritized")
+    results = Results.of(run_episode(simulator, Held(policy, 1, 10, 60)))
+    assert results.success_rate == 1.0
+    assert results.collisions == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_nobody_drives_into_a_robot_that_another_policy_moves(seed: int) -> None:
+    simulator = Simulator("swap", n=4, seed=seed, jitter=0.3, autoreset=False)
+    policy = Replanning("prioritized", seed=seed)
+    record = run_episode(simulator, Mixed(policy, policy_of("random", seed)), steps=100)
+    # Nobody meets anybody but the one, and that only where it moves into their way meanwhile.
+    met = record["hit_robots"][:, 1:]
+    assert np.isin(met, (-1, 0)).all()
+    assert (record["hits"][:, 0] >= 0)[(met == 0).any(axis=1)].all()
+    assert sum(robot.success for robot in Results.of(record).robots[1:]) >= 1
+
+
+def test_the_situation_has_who_stands_as_a_body() -> None:
+    simulator = Simulator("swap", n=3)
+    simulator.reset(seed=0)
+    q = simulator.configurations[0]
+    now, places = from_here(simulator.scenario, simulator.robots, q, [0], [2])
+    assert places == (0,)
+    assert [robot.name for robot in now.robots] == ["robot 1"]
+    assert now.bodies[-1].name == "robot 3"
+    world, like = now.build().world(), simulator.world()
+    np.testing.assert_allclose(world.poses("robot 3"), like.poses("robot 3"), atol=1e-12)
+
+
+def test_onward_is_as_before() -> None:
+    (robot,) = Simulator("swap", n=1).robots
+    rows = onward(robot, np.array([0.0, 0.0, 3.0]), np.array([0.1, 0.2, -3.1]), 2)
+    turn = 2 * np.pi - 6.1
+    np.testing.assert_allclose(rows[:, :2], [[0.1, 0.2], [0.2, 0.4], [0.3, 0.6]])
+    np.testing.assert_allclose(rows[:, 2], [-3.1, -3.1 + turn, -3.1 + 2 * turn])

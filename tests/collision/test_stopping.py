@@ -1,0 +1,191 @@
+"""Movers that stop where they first meet something: in the order of time, and nobody overlaps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from oracles.solids import angle_iron, at, ball, box
+from oracles.world_model import along, nudged, turned
+from support.robots import random_tree
+
+from fgenv.collision import Shape, World, collide
+from fgenv.collision.world import MotionResult
+
+Array = NDArray[np.float64]
+HERE = np.eye(4)
+PITCH = 1.1  # metres between 64 bodies of up to 0.9
+SEEDS = st.integers(0, 2**32 - 1)
+SHAPES = [Shape(*s) for s in (box(0.5), angle_iron(0.6, 0.15, 0.4), ball(0.3), box(0.9, 0.1, 0.2))]
+
+
+def line(*places: float) -> tuple[World, list[int]]:
+    """Cubes of one metre along x."""
+    world = World()
+    cube = Shape(*box(1.0))
+    return world, [world.add(cube, at(x)) for x in places]
+
+
+def move(world: World, ids: list[int], ends: list[Array]) -> MotionResult:
+    """Move everyone to where it stops."""
+    starts = world.poses(ids)
+    found = world.advance(ids, ends)
+    assert (found.contact >= 0).all()
+    assert (found.contact <= 1).all()
+    there = along(starts, np.array(ends), found.contact)
+    np.testing.assert_allclose(world.poses(ids), there, atol=1e-12)
+    return found
+
+
+def test_a_queue_stops_one_after_the_other() -> None:
+    """The first of them meets a wall, the second the first, the third the second."""
+    world, ids = line(0.0, 2.0, 4.0)
+    wall = world.add(Shape(*box(1.0)), at(6.5))
+    found = move(world, ids, [at(6.0), at(8.0), at(10.0)])
+    np.testing.assert_allclose(world.poses(ids)[:, 0, 3], [3.5, 4.5, 5.5], atol=1e-5)
+    assert found.other.tolist() == [ids[1], ids[2], wall]
+    assert world.contacts().tolist() == []
+
+
+def test_who_stops_is_no_longer_met_where_it_would_have_gone() -> None:
+    """Held up by a wall, the second never comes to where it would have met the third."""
+    world, ids = line(0.0, 6.0)
+    world.add(Shape(*box(1.0)), at(2.0))
+    both = world.check_motions(ids, world.poses(ids), [at(5.0), at(4.0)])
+    assert not both.free.any()
+    stopped = move(world, ids, [at(5.0), at(4.0)])
+    assert stopped.free.tolist() == [False, True]
+    assert stopped.contact[1] == 1.0
+
+
+def test_who_stops_is_met_where_it_stands() -> None:
+    """A follower that would have kept its distance runs into one that a wall stopped."""
+    world, ids = line(0.0, 2.0)
+    world.add(Shape(*box(1.0)), at(3.5))
+    assert world.check_motions(ids, world.poses(ids), [at(8.0), at(10.0)]).free.tolist() == [
+        False,  # the wall, in the end
+        False,
+    ]
+    found = move(world, ids, [at(8.0), at(10.0)])
+    np.testing.assert_allclose(world.poses(ids)[:, 0, 3], [1.5, 2.5], atol=1e-5)
+    assert found.other.tolist()[0] == ids[1]
+
+
+def test_one_that_leaves_in_time_is_not_met() -> None:
+    world, ids = line(0.0, 2.0)
+    found = move(world, ids, [at(3.0), at(5.0)])
+    assert found.free.all()
+
+
+@given(SEEDS)
+@settings(max_examples=30)
+def test_nobody_overlaps_after_any_step(seed: int) -> None:
+    """Dense, 64 bodies of all forms, step after step; whoever has stopped may go on or stay."""
+    rng = np.random.default_rng(seed)
+    world, ids = World(), []
+    grid = [(x, y, z) for x in range(4) for y in range(4) for z in range(4)]
+    for place in grid:
+        pose = at(*(PITCH * np.array(place)))
+        ids.append(world.add(SHAPES[rng.integers(len(SHAPES))], pose))
+    assert world.contacts().tolist() == []
+    stopped = unresolved = 0
+    for _ in range(8):
+        starts = world.poses(ids)
+        ends = [nudged(rng, pose, 0.3, 0.5) for pose in starts]
+        found = move(world, ids, ends)
+        assert world.contacts().tolist() == []
+        unresolved += np.isnan(found.contact_by).sum()
+        stopped += (~found.free).sum()
+        justified(world, ids, starts, np.array(ends), found)
+    assert stopped > 20
+    assert unresolved == 0
+
+
+def justified(
+    world: World, ids: list[int], starts: Array, ends: Array, found: MotionResult
+) -> None:
+    """Whoever stopped meets the other a micrometre on, wherever that has come to by then."""
+    for i in np.flatnonzero(np.isfinite(found.contact_by))[::3]:
+        shown = found.contact_by[i]
+        j = ids.index(found.other[i])
+        mine = along(starts[[i]], ends[[i]], np.array([shown]))[0]
+        until = shown if found.other[j] == ids[i] else found.contact[j]
+        theirs = along(starts[[j]], ends[[j]], np.array([until]))[0]
+        a, b = (world.record(ids[k]).shape for k in (i, j))
+        assert collide(a, mine, b, theirs, margin=1e-9)
+
+
+@given(SEEDS)
+@settings(max_examples=10)
+def test_robots_stop_too(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    while not (robot := random_tree(rng, "planar", 5)).parts:
+        pass
+    world = World()
+    ids: list[int] = []
+    q: list[Array] = []
+    for _ in range(8):
+        me = world.add_robot(robot)
+        for _ in range(40):
+            here = robot.random(rng)
+            if not world.collides(me, here):
+                break
+        else:
+            world.remove(me)
+            continue
+        world.set_configuration(me, here)
+        ids.append(me)
+        q.append(here)
+    q = np.array(q).reshape(len(ids), robot.nq)
+    assert world.contacts().tolist() == []
+    for _ in range(5):
+        ends = robot.random(rng, len(ids))
+        found = world.advance(ids, ends)
+        q = robot.interpolate(q, ends, found.contact)
+        assert (q == [world.configuration(me) for me in ids]).all()
+        assert world.contacts().tolist() == []
+
+
+def test_the_order_of_names_changes_nothing() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        world = World()
+        ids = [world.add(SHAPES[i % 4], at(0.8 * (i % 4), 0.8 * (i // 4))) for i in range(12)]
+        starts = world.poses(ids)
+        ends = np.array([nudged(rng, pose, 0.5, 0.5) for pose in starts])
+        twin = world.copy()
+        one = world.advance(ids, ends)
+        order = rng.permutation(12)
+        other = twin.advance(np.array(ids)[order], ends[order])
+        np.testing.assert_allclose(one.contact[order], other.contact, atol=2e-6)
+        assert (one.free[order] == other.free).all()
+
+
+def test_turning_on_the_spot_in_a_crowd() -> None:
+    """Bars that turn like clock hands into each other: each stops just before the other."""
+    world = World()
+    bar = Shape(*box(1.9, 0.1, 0.1))
+    ids = [world.add(bar, at(1.0 * i)) for i in range(2)]
+    world.set_pose(ids, [turned(np.pi / 2), at(1.0) @ turned(np.pi / 2)])
+    found = move(world, ids, [turned(0.0), at(1.0) @ turned(np.pi)])
+    assert not found.free.any()
+    assert found.contact == pytest.approx(found.contact[::-1])
+    assert world.contacts().tolist() == []
+
+
+def test_what_is_wrong_is_told() -> None:
+    world, ids = line(0.0, 2.0)
+    for ask, words in (
+        (lambda: world.advance([0, 0], [HERE, HERE]), "robots: body 0 is named twice"),
+        (lambda: world.advance(0, HERE), r"robots, to: wanted \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(ids, HERE), r"robots, to: wanted \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance([0, 7], [HERE, HERE]), "robots: no body 7"),
+        (lambda: world.advance(ids, [HERE, 2 * HERE]), r"to\[1\]"),
+        (lambda: world.advance(ids, [HERE, HERE], tolerance=0.0), "tolerance"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            ask()
+    assert world.poses(ids)[:, 0, 3].tolist() == [0.0, 2.0]
+    assert world.advance([], np.empty((0, 4, 4))).free.shape == (0,)

@@ -1,0 +1,365 @@
+"""The published experiment: its masks, its collision, its way around, against python-fcl."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import fcl
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+from PIL import Image
+from typer.testing import CliRunner
+
+from fgenv.agents import Arrived, Experiment, Hit, MasksCleared, MasksSet, facts, run_experiment
+from fgenv.agents.events import Event
+from fgenv.cli import app
+from fgenv.collision.world import Record
+from fgenv.paper.figures import draw_figures
+from fgenv.scenarios import Scene, bounds, three_tanks
+from fgenv.scenarios.se2 import as_path, as_poses, reach, refine
+
+Array = NDArray[np.float64]
+PUBLISHED = {"robot": 1, "tank 1": 0, "tank 2": 1, "tank 3": 1}
+NONE = dict.fromkeys(PUBLISHED, 0)
+
+
+@pytest.fixture(scope="module")
+def told() -> tuple[Experiment, list[Event]]:
+    events: list[Event] = []
+    return run_experiment(three_tanks(), seed=0, report=events.append), events
+
+
+@pytest.fixture
+def experiment(told: tuple[Experiment, list[Event]]) -> Experiment:
+    return told[0]
+
+
+class Peer:
+    """python-fcl on the bodies of a scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        mover, *others = scene.records
+        self.mover, self.height = self._object(mover), scene.height
+        self.others = {body.name: self._object(body) for body in others}
+
+    @staticmethod
+    def _object(body: Record) -> Any:
+        model = fcl.BVHModel()
+        model.beginModel(len(body.shape.vertices), len(body.shape.faces))
+        model.addSubModel(body.shape.vertices, body.shape.faces)
+        model.endModel()
+        pose = body.pose
+        return fcl.CollisionObject(model, fcl.Transform(pose[:3, :3], pose[:3, 3]))
+
+    def hits(self, q: Array) -> list[str]:
+        pose = as_poses(q, self.height)
+        self.mover.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
+        return [name for name, other in self.others.items() if fcl.collide(self.mover, other)]
+
+
+def test_scene_is_as_published(experiment: Experiment) -> None:
+    scene = experiment.scene
+    mover, *tanks = scene.records
+    for body in scene.records:
+        assert body.shape.watertight
+        assert 1000 <= len(body.shape.faces) <= 3000
+        assert (body.graph.kinds == "valley").any()  # concave
+        assert len(body.feature_points) > 100
+    assert 0.8 < np.ptp(mover.shape.vertices, axis=0).max() < 1.3
+    sizes = {tuple(np.ptp(b.shape.vertices, axis=0).round(3)) for b in tanks}
+    assert len(sizes) == 3
+
+
+def test_masks_before_during_and_after(experiment: Experiment) -> None:
+    first, again = experiment.journey.drives
+    assert first.before == again.before == NONE
+    assert first.masks.masks == experiment.published.masks == PUBLISHED
+    assert first.cleared.masks == again.cleared.masks == NONE
+    assert experiment.scene.masks == NONE
+    assert again.masks.masks["robot"] == 1
+
+
+def test_masked_pairs_are_not_tested(experiment: Experiment) -> None:
+    for drive in experiment.journey.drives:
+        masked = sum(drive.masks.masks.values()) - 1
+        assert 0 < drive.tests <= drive.steps * masked
+        assert drive.without_masks == drive.steps * 3
+
+
+def test_first_contact_agrees_with_fcl(experiment: Experiment) -> None:
+    scene, hit = experiment.scene, experiment.journey.drives[0].hit
+    assert hit is not None
+    peer, path = Peer(scene), scene.straight_path
+    places = refine(path, 0.0, 0.003)
+    k = next(k for k, q in enumerate(places) if peer.hits(q))
+    free, touching = places[k - 1], places[k]
+    while np.linalg.norm(touching - free) > 1e-8:
+        middle = (free + touching) / 2
+        free, touching = (free, middle) if peer.hits(middle) else (middle, touching)
+    assert peer.hits(touching) == [hit.body] == ["tank 2"]
+    assert hit.bracket <= 1e-4
+    assert np.linalg.norm(np.subtract(hit.after, touching)) < 2e-6
+    assert not peer.hits(np.array(hit.before) - (free - path[0]) * 1e-9)
+    # At half a metre a second along the path, the time is the way.
+    assert hit.time == pytest.approx(np.linalg.norm(touching[:2] - path[0, :2]) / 0.5, abs=1e-5)
+
+
+def test_contact_is_shown_by_a_feature_edge_on_a_face(experiment: Experiment) -> None:
+    scene, hit = experiment.scene, experiment.journey.drives[0].hit
+    assert hit is not None
+    found = hit.contact
+    assert found.edge is not None
+    assert found.face is not None
+    records = {record.name: record for record in scene.records}
+    poses = {"robot": as_poses(hit.after), "tank 2": records["tank 2"].pose}
+    shapes = {name: records[name].shape for name in poses}
+    owner, other = ("robot", "tank 2") if found.edge_of == "a" else ("tank 2", "robot")
+    graph, pose = shapes[owner].graph, poses[owner]
+    ends = (graph.points @ pose[:3, :3].T + pose[:3, 3])[graph.edges]
+    gaps = np.minimum(
+        np.abs(ends - found.edge).max(axis=(1, 2)), np.abs(ends - found.edge[::-1]).max(axis=(1, 2))
+    )
+    assert gaps.min() < 1e-9
+    corners = shapes[other].vertices[shapes[other].faces[found.face]]
+    corners = corners @ poses[other][:3, :3].T + poses[other][:3, 3]
+    face = trimesh.Trimesh(corners, [[0, 1, 2]], process=False)
+    (on_face,), (off,), _ = trimesh.proximity.closest_point_naive(face, [found.point])
+    assert off < 1e-6
+    start, end = found.edge
+    t = np.clip((on_face - start) @ (end - start) / ((end - start) @ (end - start)), 0, 1)
+    assert np.linalg.norm(start + t * (end - start) - found.point) < 1e-6
+
+
+def test_replanned_path_is_free_by_fcl_at_a_fine_step(experiment: Experiment) -> None:
+    scene = experiment.scene
+    first, again = experiment.journey.drives
+    path = again.masks.path
+    np.testing.assert_allclose(path[0], first.driven[-1], atol=1e-12)
+    np.testing.assert_allclose(path[-1], scene.goal, atol=1e-12)
+    np.testing.assert_allclose(again.driven, path, atol=1e-12)
+    peer = Peer(scene)
+    fine = refine(as_path(path), reach(scene.records[0].shape.vertices), 0.002)
+    assert len(fine) > 3000
+    assert not any(peer.hits(q) for q in fine)
+    proof = experiment.journey.plans[0].proof
+    assert proof.proved
+    assert proof.edges == len(experiment.journey.plans[0].plan.path) - 1
+    assert 0.03 < proof.least < 0.2
+    np.testing.assert_allclose(scene.world.poses(scene.mover), scene.poses(scene.goal), atol=1e-12)
+
+
+def test_events_are_told_in_order(told: tuple[Experiment, list[Event]]) -> None:
+    events = told[1]
+    names = [type(event).__name__ for event in events]
+    assert names == [
+        "MasksSet",
+        "Hit",
+        "MasksCleared",
+        "Replanned",
+        "MasksSet",
+        "MasksCleared",
+        "Arrived",
+    ]
+    times = [event.time for event in events]
+    assert times == sorted(times)
+    kinds = MasksSet, Hit, MasksCleared, Arrived
+    assert all(any(isinstance(event, kind) for event in events) for kind in kinds)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_any_seed_comes_out_as_published(seed: int) -> None:
+    experiment = run_experiment(three_tanks(), seed=seed)
+    assert experiment.as_published, experiment.checks
+
+
+def test_same_seed_same_account(experiment: Experiment) -> None:
+    once, twice = facts(experiment), facts(run_experiment(three_tanks(), seed=0))
+    assert once.pop("seconds") != twice.pop("seconds")
+    assert json.dumps(once) == json.dumps(twice)
+
+
+def test_loop_method_misses_nothing_before_the_truth(experiment: Experiment) -> None:
+    """The published cycle may be late or see nothing; here it has no false hit."""
+    hit, said = experiment.journey.drives[0].hit, experiment.published
+    assert hit is not None
+    assert said.time is None or said.time >= hit.time
+
+
+# Masks -------------------------------------------------------------------------------------------
+
+
+def random_path(rng: np.random.Generator) -> Array:
+    return rng.uniform((-3, -3, -7), (3, 3, 7), size=(rng.integers(2, 6), 3))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_motion_boxes_hold_the_whole_body(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scene, path = three_tanks(), as_path(random_path(rng))
+    scene.world.set_path(scene.mover, scene.poses(path))
+    vertices = scene.records[0].shape.vertices
+    for leg, (low, high) in enumerate(scene.world.motion_boxes(scene.mover)):
+        poses = scene.poses(refine(path[leg : leg + 2], reach(vertices), 0.02))
+        corners = vertices @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
+        assert (corners >= low).all()
+        assert (corners <= high).all()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_mask_never_hides_a_collision(seed: int) -> None:
+    rng = np.random.default_rng(100 + seed)
+    scene = three_tanks()
+    path = as_path(np.array(scene.start) + random_path(rng) * (2, 2, 1) + (4, 3, 0))
+    scene.world.set_path(scene.mover, scene.poses(path))
+    peer, hidden = Peer(scene), {name for name, mask in scene.masks.items() if mask == 0}
+    touched = {name for q in refine(path, 1.0, 0.1) for name in peer.hits(q)}
+    assert not touched & hidden
+
+
+def test_a_large_body_beside_the_path_reaches_into_the_box() -> None:
+    """The published form looks at positions alone and misses it."""
+    scene = three_tanks()
+    tank = scene.records[1].shape
+    beside = scene.world.add(tank, as_poses((4.0, 6.2, 0.0)), name="beside")
+    assert beside in scene.world.set_path(scene.mover, scene.poses(scene.straight_path))
+    assert scene.masks["beside"] == 1
+
+
+def test_each_mover_has_its_own_bit() -> None:
+    scene = three_tanks()
+    world, one = scene.world, scene.mover
+    other = world.add(scene.records[0].shape, as_poses((0.0, 8.0, 0.0)), name="other")
+    world.set_path(one, scene.poses(scene.straight_path))
+    world.set_path(other, as_poses([(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)]))
+    assert scene.masks == {"robot": 3, "tank 1": 2, "tank 2": 1, "tank 3": 1, "other": 3}
+    # Both see tanks of their own: that is no reason to test one's against the other's.
+    assert 1 not in world.candidates(one)
+    assert 2 not in world.candidates(other)
+    world.clear_path(one)
+    assert list(scene.masks.values())[1:] == [2, 0, 0, 2]
+
+
+# The command -------------------------------------------------------------------------------------
+
+
+def fgenv(*arguments: str) -> tuple[int, str]:
+    done = CliRunner().invoke(app, ["run", "three_tanks", *arguments])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done.exit_code, done.stdout
+
+
+def test_json_has_all_facts_and_the_exit_code_says_so() -> None:
+    code, out = fgenv("--json", "--no-pictures", "--seed", "4")
+    said = json.loads(out)
+    assert code == 0
+    assert said["as_published"] is True
+    assert said["seed"] == 4
+    first, again = said["drives"]
+    assert first["masks"] == {"before": NONE, "during": PUBLISHED, "after": NONE}
+    assert np.array(first["motion_boxes"]).shape == (1, 2, 3)
+    met = first["collision"]
+    assert met["pair"] == ["robot", "tank 2"]
+    assert met["bracket"] <= 1e-4
+    assert len(met["point"]) == 3
+    assert met["time"] == first["end_time"] == again["start_time"]
+    assert {met["edge_of"], met["face_of"]} == {"robot", "tank 2"}
+    assert again["collision"] is None
+    assert said["plan"]["proved_free"] is True
+    assert said["plan"]["length"] > 5.8
+    assert said["pictures"] == []
+
+
+def test_account_reads_well() -> None:
+    code, out = fgenv("--no-pictures")
+    assert code == 0
+    for words in ("collision of robot with tank 2", "motion box", "arrived", "as published"):
+        assert words in out
+    assert "tank 1 0, tank 2 1, tank 3 1" in out
+
+
+def test_pictures_exist_and_show_something(experiment: Experiment, tmp_path: Path) -> None:
+    written = list(draw_figures(experiment, tmp_path / "new" / "folder"))
+    assert [path.name.split("_")[1] for path in written] == ["3", "4", "5", "7", "8"]
+    for path in written:
+        pixels = np.asarray(Image.open(path).convert("RGB"))
+        assert pixels.shape[0] >= 480
+        assert pixels.shape[1] >= 640
+        assert pixels[:480].std(axis=(0, 1)).min() > 10
+        assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 200
+        assert path.stat().st_size < 100_000
+
+
+def cart(folder: Path, scale: float = 1.0) -> Path:
+    """A user's robot: a hat on a box, open below, its lowest point not at 0."""
+    mesh = trimesh.creation.box((0.8, 0.5, 0.4))
+    mesh.update_faces(mesh.face_normals[:, 2] > -0.5)
+    hat = trimesh.creation.cone(radius=0.2, height=0.6)
+    both = trimesh.util.concatenate([mesh, hat])
+    both.apply_scale(scale)
+    both.export(folder / "cart.stl")
+    return folder / "cart.stl"
+
+
+def test_own_mesh(tmp_path: Path) -> None:
+    code, out = fgenv("--mesh", str(cart(tmp_path)), "--json", "--no-pictures")
+    said = json.loads(out)
+    assert code == 0
+    assert said["bodies"][0]["size"] == pytest.approx([0.8, 0.5, 0.8], abs=1e-6)
+    assert said["bodies"][0]["watertight"] is False
+    low, _ = said["drives"][0]["motion_boxes"][0]
+    assert low[2] == pytest.approx(0.0, abs=1e-9)  # stood on the floor
+
+
+def test_own_mesh_is_scaled_only_if_asked(tmp_path: Path) -> None:
+    mesh = str(cart(tmp_path, scale=1000.0))
+    with pytest.raises(ValueError, match=r"800 x 500 x 800 m is too long.*0\.001"):
+        fgenv("--mesh", mesh, "--no-pictures")
+    code, _ = fgenv("--mesh", mesh, "--scale", "0.001", "--no-pictures")
+    assert code == 0
+
+
+def test_own_mesh_that_collides_at_once_is_an_error(tmp_path: Path) -> None:
+    trimesh.creation.box((5.5, 5.5, 0.4)).export(tmp_path / "raft.obj")
+    with pytest.raises(ValueError, match=r"raft\.obj.* collides with tank 3 at its goal \(8, 5\)"):
+        three_tanks(tmp_path / "raft.obj")
+
+
+def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:
+    """A robot so wide that its motion box reaches tank 1."""
+    trimesh.creation.box((0.2, 4.6, 0.1)).export(tmp_path / "wing.ply")
+    code, out = fgenv("--mesh", str(tmp_path / "wing.ply"), "--json", "--no-pictures")
+    said = json.loads(out)
+    assert code == 1
+    assert said["as_published"] is False
+    assert said["drives"][0]["masks"]["during"]["tank 1"] == 1
+    assert said["drives"][0]["masks"]["after"] == NONE
+
+
+def test_no_step_is_too_long_to_see_a_collision(tmp_path: Path) -> None:
+    """A robot like a marble, in steps much longer than the foot of the tank that it hits."""
+    trimesh.creation.icosphere(radius=0.01).export(tmp_path / "marble.ply")
+    mesh, times = str(tmp_path / "marble.ply"), []
+    for step in ("0.7", "0.01"):
+        code, out = fgenv("--mesh", mesh, "--step", step, "--json", "--no-pictures")
+        first = json.loads(out)["drives"][0]
+        assert code == 0
+        assert first["collision"]["pair"] == ["robot", "tank 2"]
+        times.append(first["collision"]["time"])
+    assert times[0] == pytest.approx(times[1], abs=1e-5)
+
+
+@pytest.mark.parametrize("option", [("--step", "0"), ("--scale", "-1"), ("--mesh", "no such file")])
+def test_wrong_use_is_one_clear_error(option: tuple[str, str]) -> None:
+    with pytest.raises((ValueError, FileNotFoundError), match=option[0].strip("-") + "|no such"):
+        fgenv(*option, "--no-pictures")
+
+
+def test_three_tanks_in_python_takes_a_mesh(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="watertight"):
+        scene = three_tanks(cart(tmp_path))
+    assert bounds(scene.records[0])[0, 2] == pytest.approx(0.0, abs=1e-9)

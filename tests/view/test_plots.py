@@ -1,0 +1,73 @@
+"""Plots of a record: what they say is what is in it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from support.shell import Shell
+
+from fgenv.agents import policy_of, run_episode
+from fgenv.envs import Record, Simulator
+
+pytest.importorskip("matplotlib")
+from matplotlib.figure import Figure
+
+from fgenv.view.figures.plots import KINDS, clearances_of, mask_counts, plot
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    simulator = Simulator("corridor", n=4, clearance=True, autoreset=False)
+    return run_episode(simulator, policy_of("goto"), steps=20)
+
+
+def test_clearances_that_were_not_recorded_are_the_same(record: Record) -> None:
+    np.testing.assert_allclose(clearances_of(record), record["clearances"], atol=1e-9)
+
+
+def test_lines_are_the_robots_own(record: Record) -> None:
+    axes = Figure().add_subplot()
+    KINDS["space-time"](record, axes)
+    lines = {str(line.get_label()): line for line in axes.get_lines()}
+    for i, name in enumerate(record.names):
+        found = np.asarray(lines[name].get_ydata())
+        np.testing.assert_allclose(found, record["configurations"][:, i, 0], atol=1e-12)
+
+
+def test_masks_count_candidates(record: Record) -> None:
+    counts, bodies = mask_counts(record, record.scenario.build())
+    assert counts.shape == (len(record), 4)
+    assert 0 < counts.max() < bodies
+    touched = record["hits"] >= 0
+    assert (counts[touched] >= 1).all()  # what a robot meets is a candidate of it
+
+
+def test_what_cannot_be_plotted_says_so(record: Record, tmp_path: Path) -> None:
+    simulator = Simulator("cell", n=2, autoreset=False)
+    arms = run_episode(simulator, policy_of("rest"), steps=2)
+    with pytest.raises(ValueError, match="wanted robots whose bases move"):
+        plot(arms, "space-time", tmp_path / "a.png")
+    plot(arms, "clearance", tmp_path / "a.png")
+    arrays = {name: array[:0] for name, array in record.arrays.items()}
+    arrays |= {name: record[name][:1] for name in ("configurations", "status")}
+    with pytest.raises(ValueError, match="it has no steps"):
+        plot(replace(record, arrays=arrays), "masks", tmp_path / "a.png")
+
+
+def test_command(record: Record, shell: Shell) -> None:
+    record.save("run.npz")
+    for kind in KINDS:
+        code, out, err = shell("plot", "run.npz", "--kind", kind, "--out", "a.png")
+        assert (code, err) == (0, "")
+        assert out == f"written: a.png, {Path('a.png').stat().st_size:,} bytes\n"
+        with Image.open("a.png") as picture:
+            assert np.ptp(np.asarray(picture.convert("L"))) > 100
+    for kind, path, said in (
+        ("speed", "a.png", "kind: 'speed', wanted clearance, masks, space-time"),
+        ("learning", "a.png", "run.npz: wanted the evaluations.csv"),
+        ("masks", "a.gif", "ends in .png, .svg, .pdf"),
+        ("masks", "no/a.png", "there is no folder no"),
+    ):
+        assert said in shell.refuses("plot", "run.npz", "--kind", kind, "--out", path)

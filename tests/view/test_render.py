@@ -1,0 +1,124 @@
+"""Movies and pictures of a record: cameras, notes, files."""
+
+import numpy as np
+import pytest
+from PIL import Image
+from support.shell import Shell
+
+from fgenv.agents import policy_of, run_episode
+from fgenv.envs import Record, Simulator
+from fgenv.view.contact_events import meetings
+from fgenv.view.figures.annotations import Notes
+from fgenv.view.figures.camera_path import CAMERAS, Tripod
+from fgenv.view.figures.episode_frames import frames_of
+from fgenv.view.figures.fleet_painter import FleetPainter
+from fgenv.view.figures.gallery import corners_of
+from fgenv.view.mask_links import links, world_at
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    simulator = Simulator("corridor", n=4, clearance=True, autoreset=False)
+    return run_episode(simulator, policy_of("goto"), steps=20)
+
+
+@pytest.mark.parametrize("kind", CAMERAS)
+def test_a_camera_sees_what_it_is_for(record: Record, kind: str) -> None:
+    built = record.scenario.build()
+    corners = corners_of(built.world())
+    tripod = Tripod(kind, built, corners, 480, 360, robot=2)
+    for step in (0, 10, 20):
+        q = record["configurations"][step, 2]
+        camera = tripod.at(step * record.dt, q)
+        place = built.robots[2].forward(q[: built.robots[2].nq])[0, :3, 3]
+        seen = place[None] if kind == "follow" else corners
+        pixels, depth = camera.project(seen)
+        assert (depth > 0).all()
+        assert ((pixels > 0) & (pixels < (480, 360))).all()
+    assert (kind in ("follow", "orbit")) == (tripod.at(0, q) != tripod.at(1, 0 * q))
+
+
+def test_notes_are_drawn_over_the_frame(record: Record) -> None:
+    first = meetings(record)[0]
+    step = int(np.ceil(first.begin / record.dt))
+    (plain,) = frames_of(record, [step])
+    for note in ("time", "trails", "collisions", "masks"):
+        (noted,) = frames_of(record, [step], notes=[note])
+        other = (noted != plain).any(axis=2)
+        assert 20 < other.sum() < 0.2 * other.size
+    with pytest.raises(ValueError, match="note: 'who'"):
+        next(frames_of(record, [0], notes=["who"]))
+    with pytest.raises(ValueError, match="camera: 'low'"):
+        next(frames_of(record, [0], camera="low"))
+
+
+def test_trails_are_where_robots_have_been(record: Record) -> None:
+    """And only there: no pixel changes that is not near a robot's way."""
+    built, step = record.scenario.build(), 20
+    (plain,), (trailed,) = (frames_of(record, [step], notes=notes) for notes in ([], ["trails"]))
+    changed = np.argwhere((trailed != plain).any(axis=2))[:, ::-1] + 0.5
+    camera = Tripod("overview", built, FleetPainter(built).corners, 480, 360).at(0, built.starts[0])
+    ways = record["configurations"][:, :, :3] * (1.0, 1.0, 0.0)
+    pixels, _ = camera.project(ways.reshape(-1, 3))
+    far = np.linalg.norm(changed[:, None] - pixels, axis=2).min(axis=1)
+    assert len(changed) > 100
+    assert far.max() < 8.0
+
+
+def test_a_mask_colours_what_bears_its_bit_and_no_other(record: Record) -> None:
+    built, step = record.scenario.build(), 3
+    over = Notes(record, built, ["masks"], [], [1])
+    world = world_at(record, built, step)
+    marked = over.candidates(world, step)
+    assert marked == set(world.candidates("robot 2").tolist())
+    for body, line in links(world, "robot 2"):
+        low, high = world.record(body).shape.bounds
+        pose = world.record(body).pose
+        local = (line[1] - pose[:3, 3]) @ pose[:3, :3]
+        assert ((local >= low - 1e-9) & (local <= high + 1e-9)).all()
+
+
+def test_an_overview_is_from_where_it_is_told(record: Record) -> None:
+    built = record.scenario.build()
+    corners = corners_of(built.world())
+    look = "overview", built, corners, 480, 360, 0
+    ahead = Tripod(*look, azimuth=0.3, elevation=0.9).at(0.0, built.starts[0]).axes[2]
+    assert np.arctan2(-ahead[1], -ahead[0]) == pytest.approx(0.3)
+    assert np.arcsin(-ahead[2]) == pytest.approx(0.9)
+    with pytest.raises(ValueError, match="of the camera overview, got 'orbit'"):
+        Tripod("orbit", built, corners, 480, 360, azimuth=0.3)
+
+
+def test_masks_of_a_record_are_those_of_its_world(record: Record) -> None:
+    world = world_at(record, record.scenario.build(), 3)
+    assert all(world.own_bit(name) for name in record.names)
+    for i, name in enumerate(record.names):
+        robot = world.record(int(world.parts(name)[0])).robot
+        assert robot is not None
+        np.testing.assert_array_equal(world.configuration(name), record["configurations"][3, i])
+
+
+def test_command(record: Record, shell: Shell) -> None:
+    record.save("run.npz")
+    files = ("--gif", "a.gif", "--mp4", "a.mp4", "--png", "a.png", "--at", "1")
+    look = ("--camera", "follow", "--size", "128x96", "--fps", "5")
+    code, out, _ = shell("render", "run.npz", *files, *look)
+    assert (code, out.count("written: ")) == (0, 3)
+    with Image.open("a.gif") as movie, Image.open("a.png") as picture:
+        assert movie.size == picture.size == (128, 96)
+        assert movie.n_frames == 11
+    shell("render", "run.npz", "--gif", "b.gif", "--size", "128x96", "--fps", "5", "--speed", "2")
+    with Image.open("b.gif") as movie:
+        assert movie.n_frames == 6  # 2 s of 20 steps in 1 s
+    for words, said in (
+        (("--png", "a.png", "--elevation", "120"), "--elevation: 120, wanted 5 to 89 degrees"),
+        (("--png", "a.png", "--azimuth", "400"), "--azimuth: 400, wanted -360 to 360 degrees"),
+        (("--png", "a.png", "--camera", "top", "--azimuth", "0"), "are of --camera overview"),
+        ((), "nothing to write; wanted --gif, --mp4 or --png"),
+        (("--png", "a.jpg"), "ends in .png"),
+        (("--png", "a.png", "--camera", "low"), "--camera: 'low', wanted overview, top"),
+        (("--png", "a.png", "--robot", "nobody"), "--robot: 'nobody', wanted one of robot 1"),
+        (("--png", "a.png", "--size", "8"), "wanted WIDTHxHEIGHT"),
+        (("--gif", "a.gif", "--at", "1"), "--at: is of a picture"),
+    ):
+        assert said in shell.refuses("render", "run.npz", *words)

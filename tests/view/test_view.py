@@ -1,0 +1,235 @@
+"""The live view: what it takes, and what a browser shows of it."""
+
+import copy
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from support.browser import CHROMIUM, Page, page
+from support.shell import Shell
+
+import fgenv
+from fgenv.agents import policy_of
+from fgenv.envs import Simulator, View
+
+pytest.importorskip("viser")
+from fgenv.view.web import drawings
+from fgenv.view.web.live import Live
+from fgenv.view.web.overlays import Overlays
+
+
+@pytest.fixture
+def live() -> Iterator[Live]:
+    simulator = Simulator("warehouse", n=4, autoreset=False)
+    observations = simulator.reset(seed=0)
+    policy = policy_of("goto")
+    policy.reset(View(simulator))
+    live = Live(simulator, 0)
+    live._speed.value = "fastest"
+    live.begin()
+    for _ in range(10):
+        observations = simulator.step(policy.act(observations)).observations
+        live.show()
+    yield live
+    live.close()
+
+
+def test_a_port_that_is_taken_is_an_error(live: Live, shell: Shell) -> None:
+    port = live.server.get_port()
+    with pytest.raises(ValueError, match=f"port: {port} is taken"):
+        Live(live.simulator, port)
+    said = shell.refuses("view", "swap", "--port", port)
+    assert f"port: {port} is taken; choose another one" in said
+
+
+def test_candidates_are_the_worlds_own(live: Live) -> None:
+    simulator, moment = live.simulator, live.overlays.moment(0)
+    found = sum(len(moment.world.candidates(name)) for name in simulator.names)
+    ends, colors = drawings.masks(moment)
+    assert ends.shape == (found, 2, 3)
+    assert len(colors) == found > 0
+    boxes, _ = drawings.motion_boxes(moment)
+    assert boxes.shape == (12 * len(simulator.names), 2, 3)
+
+
+def test_what_is_drawn_of_one_robot_is_its_part_of_what_is_drawn_of_all(live: Live) -> None:
+    simulator, every = live.simulator, live.overlays.moment(0)
+    of_all, ones = [np.empty((0, 2, 3))], set[str]()
+    for i, name in enumerate(simulator.names):
+        live.overlays.whose = i
+        one = live.overlays.moment(0)
+        found = every.world.candidates(name).tolist()
+        assert drawings.marked(one) == {every.world.record(body).name for body in found}
+        ones |= drawings.marked(one)
+        of_all.append(drawings.masks(one)[0])
+        assert len(drawings.clearances(one)[0]) == 1
+    np.testing.assert_array_equal(np.concatenate(of_all), drawings.masks(every)[0])
+    assert ones == drawings.marked(every)
+
+
+def test_lines_of_masks_are_over_their_robot(live: Live) -> None:
+    for i, name in enumerate(live.simulator.names):
+        live.overlays.whose = i
+        moment = live.overlays.moment(0)
+        parts = [moment.world.record(part) for part in moment.world.parts(name).tolist()]
+        points = [p.shape.vertices @ p.pose[:3, :3].T + p.pose[:3, 3] for p in parts]
+        highest = np.concatenate(points)[:, 2].max()
+        assert (drawings.masks(moment)[0][..., 2] > highest).all()
+
+
+def test_clearance_lines_are_as_long_as_the_clearances(live: Live) -> None:
+    simulator = live.simulator
+    world, q = simulator.world(), simulator.configurations[0]
+    ends, _ = drawings.clearances(live.overlays.moment(0))
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    wanted = [
+        float(world.clearance(robot.name, row[: robot.nq]).distance)
+        for robot, row in zip(simulator.robots, q, strict=True)
+    ]
+    np.testing.assert_allclose(lengths, wanted, atol=1e-9)
+
+
+def test_rays_end_on_what_stands_there(live: Live) -> None:
+    simulator = live.simulator
+    world = simulator.world()
+    ends, _ = drawings.lidar_rays(live.overlays.moment(0))
+    n = len(ends) // simulator.n_robots
+    for i, robot in enumerate(simulator.robots):
+        mine = ends[i * n : (i + 1) * n]
+        by = mine[:, 1] - mine[:, 0]
+        far = np.linalg.norm(by, axis=1)
+        found = world.raycast(mine[:, 0], by / far[:, None], ignore=robot.name)
+        lidar = simulator.scenario.models[simulator.scenario.robots[i].model].lidar
+        assert lidar is not None
+        np.testing.assert_allclose(np.minimum(found.distance, lidar.range), far, atol=1e-5)
+
+
+def test_64_robots_are_shown_20_times_a_second() -> None:
+    simulator = Simulator("warehouse", n=64, autoreset=False)
+    simulator.reset(seed=0)
+    live = Live(simulator, 0)
+    live._speed.value = "fastest"
+    live.begin()
+    began = time.perf_counter()
+    for _ in range(20):
+        live.show()
+    seconds = time.perf_counter() - began
+    live.close()
+    assert seconds < 1.0
+
+
+def test_human_mode_returns_none_and_starts_when_first_rendered(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FGENV_VIEW_PORT", "0")
+    env = fgenv.parallel_env("swap", n=2, render_mode="human")
+    with pytest.raises(RuntimeError, match="before the first reset"):
+        env.render()
+    env.reset(seed=0)
+    assert env._screen.live is None
+    assert env.render() is None
+    live = env._screen.live
+    assert isinstance(live, Live)
+    assert f"live view at {live.url}" in capsys.readouterr().err
+    env.step({name: np.zeros(2) for name in env.agents})
+    began = time.perf_counter()
+    assert env.render() is None
+    assert time.perf_counter() - began > 0.5 * env.simulator.dt  # in real time
+    other = copy.deepcopy(env)
+    assert other._screen.live is None
+    env.close()
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.1", int(live.url.rpartition(":")[2])), timeout=5)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> None:
+    with page() as shown:
+        shown.open(f"{live.url}/?fixedDpr=1")  # else it gets coarser where it is slow
+        shown.wait("document.body?.innerText.includes('Feature graph')")
+        shown.run("document.querySelector('.mantine-Notifications-root')?.remove()")
+        plain = shown.settled()
+        orange = np.abs(plain.astype(int) - (215, 135, 0)).max(axis=2) < 60  # robot 1
+        assert orange.sum() > 50
+        assert (plain[250:, :640].std(axis=(0, 1)) > 5).all()
+        for name in Overlays.NAMES[3:]:
+            click(shown, name.capitalize())
+            until(lambda name=name: live.overlays.on[name])
+            live.refresh()
+            until(lambda: other(shown, plain) > 50)
+            click(shown, name.capitalize())
+            until(lambda name=name: not live.overlays.on[name])
+            live.refresh()
+            until(lambda: other(shown, plain) < 20)
+        assert shown.errors == []
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
+    simulator = live.simulator
+    ended = threading.Event()
+
+    def drive() -> None:
+        while not ended.is_set():
+            simulator.step(np.full((1, 4, simulator.action_size), 0.2))
+            live.show()
+
+    live._speed.value = "1x"
+    thread = threading.Thread(target=drive, daemon=True)
+    with page() as shown:
+        shown.open(live.url)
+        shown.wait("document.body?.innerText.includes('Feature graph')")
+        until(lambda: bool(live.server.get_clients()))
+        thread.start()
+        press(shown, "Pause")
+        until(lambda: not live._go.is_set())
+        time.sleep(0.5)
+        held = int(simulator.steps[0])
+        time.sleep(0.5)
+        assert simulator.steps[0] == held
+        press(shown, "Step")
+        until(lambda: simulator.steps[0] == held + 1)
+        live._follow.value = simulator.names[1]
+        press(shown, "Play")
+        until(lambda: simulator.steps[0] > held + 5)
+        (client,) = live.server.get_clients().values()
+        base = simulator.configurations[0, 1, :2]
+        assert np.linalg.norm(client.camera.look_at[:2] - base) < 0.3
+        assert shown.errors == []
+        ended.set()
+        live._go.set()
+        thread.join()
+
+
+def other(shown: Page, before: NDArray[np.uint8]) -> int:
+    """How many pixels are others than before, left of the panel."""
+    change = np.abs(shown.picture().astype(int) - before).max(axis=2)
+    return int((change[:, :640] > 25).sum())
+
+
+def press(shown: Page, label: str) -> None:
+    """Press the button with that label."""
+    shown.run(
+        f"[...document.querySelectorAll('button')].find(b => b.innerText === '{label}').click()"
+    )
+
+
+def click(shown: Page, label: str) -> None:
+    """Click the checkbox with that label."""
+    script = (
+        f"[...document.querySelectorAll('label')].find(l => l.innerText === '{label}')"
+        ".closest('div:has(input)').querySelector('input').click()"
+    )
+    shown.run(script)
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Until it is true."""
+    end = time.monotonic() + 20
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.05)
