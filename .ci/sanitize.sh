@@ -1,4 +1,4 @@
-# Address and undefined-behaviour sanitizers; sourced by .ci/run. The module is built a second
+# Address and undefined-behavior sanitizers; sourced by .ci/run. The module is built a second
 # time, into a second environment, and the tests that lean on it run there. GCC's runtimes are
 # preloaded because Python itself is built without them; a safe path keeps the sources in this
 # folder from hiding the installed module; what a call costs, and what starts Python anew or waits

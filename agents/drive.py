@@ -7,10 +7,11 @@ from numpy.typing import ArrayLike
 
 from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Report, silent
 from fgenv.agents.path_follower import PathFollower
+from fgenv.arrays import Floats
 from fgenv.collision import contact
 from fgenv.collision.world import TOLERANCE
 from fgenv.scenarios import Scene
-from fgenv.scenarios.se2 import Floats, as_path, reach
+from fgenv.scenarios.se2 import as_path, reach
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def drive(
 ) -> Drive:
     """Drive the mover along a path (n, 3) until its end or until it touches a body.
 
-    In a step no point of the mover goes farther than `step` metres; each step is proved free of
+    In a step no point of the mover goes farther than `step` meters; each step is proved free of
     the bodies that the path's masks leave, before it is made. Where it is not, the first contact
     is told, and the mover stays at the last free step.
     """

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from fgenv.arrays import Floats
 from fgenv.collision import Contact
 from fgenv.planners import PlanarPlan, Proof
-from fgenv.scenarios.se2 import Floats
 
 Configuration = tuple[float, float, float]
 
@@ -25,7 +25,7 @@ class MasksSet:
 class Hit:
     """A first contact: when (s), of which pair, free just before and colliding just after.
 
-    `before` and `after` are configurations no point of the mover goes more than `bracket` metres
+    `before` and `after` are configurations no point of the mover goes more than `bracket` meters
     between; `seen` is the time of the step that noticed; `contact` tells feature edge and face.
     """
 
@@ -49,7 +49,7 @@ class MasksCleared:
 
 @dataclass(frozen=True)
 class Replanned:
-    """A new path (n, 3) to the goal: `back_off` metres back the way it came, then the plan.
+    """A new path (n, 3) to the goal: `back_off` meters back the way it came, then the plan.
 
     `proof` is that that the plan is free; the way back has been driven before.
     """

@@ -10,7 +10,7 @@ from fgenv.agents.experiment import Experiment
 
 
 def facts(experiment: Experiment, pictures: Sequence[str] = ()) -> dict[str, Any]:
-    """The account as plain data for JSON: metres, radians, seconds of simulated time.
+    """The account as plain data for JSON: meters, radians, seconds of simulated time.
 
     Equal for equal arguments, but for the wall-clock times under "seconds".
     """

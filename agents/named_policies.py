@@ -33,7 +33,7 @@ def named(name: str, seed: int) -> Policy | None:
         if not argument:
             come = ", ".join(f"mlp:{own}" for own in shipped())
             raise ValueError(
-                f"policy: {name!r}, wanted {kind}:FILE, or one that comes along: {come}"
+                f"policy: got {name!r}, expected {kind}:FILE, or one that comes along: {come}"
             )
         return from_file(kind, argument)
     for point in entry_points(group=GROUP, name=kind):
@@ -62,6 +62,6 @@ def checked(made: Any, name: str) -> Policy:
     if not isinstance(made, Policy):
         kind = type(made).__name__
         raise TypeError(
-            f"policy: {name!r} makes a {kind}, wanted one with reset(view), act(observations)"
+            f"policy: {name!r} makes a {kind}, expected one with reset(view), act(observations)"
         )
     return made

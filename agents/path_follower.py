@@ -3,13 +3,14 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fgenv.scenarios.se2 import Floats, as_path, travel
+from fgenv.arrays import Floats
+from fgenv.scenarios.se2 import as_path, travel
 
 
 class PathFollower:
     """Drives a body that can move and turn any way (holonomic) along a path (n, 3).
 
-    The speed (m/s) is that of the path plus `radius` metres times the turn, so that no point
+    The speed (m/s) is that of the path plus `radius` meters times the turn, so that no point
     within `radius` of the body's z axis is ever faster.
     """
 
@@ -32,7 +33,7 @@ class PathFollower:
 
     def ticks(self, step: float) -> Floats:
         """Times (k,) from 0 to the end, corners among them; between two of them no point moves
-        more than `step` metres, and all on one leg."""
+        more than `step` meters, and all on one leg."""
         count = max(1, int(np.ceil(self.duration * self.speed / step - 1e-9)))
         return np.union1d(np.linspace(0.0, self.duration, count + 1), self.times)
 

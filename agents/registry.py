@@ -34,7 +34,7 @@ def _replanning(seed: int, rest: str = "") -> Planned:
 
 def _orca(seed: int, rest: str = "") -> Orca:
     if rest not in ("", SHORTEST):
-        raise ValueError(f"policy: 'orca:{rest}', wanted orca, or orca:{SHORTEST}")
+        raise ValueError(f"policy: 'orca:{rest}', expected orca, or orca:{SHORTEST}")
     return Orca.guided() if rest else Orca()
 
 
@@ -73,7 +73,7 @@ def policy_of(name: str, seed: int = 0) -> Policy:
     """
     kind, _, rest = name.partition(":")
     if seed < 0:
-        raise ValueError(f"seed: {seed}, wanted 0 or more")
+        raise ValueError(f"seed: got {seed}, expected 0 or more")
     if kind == "safe":
         return Safe(policy_of(rest, seed))
     if kind not in POLICIES:
@@ -82,7 +82,7 @@ def policy_of(name: str, seed: int = 0) -> Policy:
             return found
         raise ValueError(f"policy: {name!r} is not known; {near(kind, POLICIES)}")
     if rest and kind not in SPECIAL:
-        raise ValueError(f"policy: {name!r}, {kind!r} takes nothing after it; wanted {kind!r}")
+        raise ValueError(f"policy: {name!r}, {kind!r} takes nothing after it; expected {kind!r}")
     return SPECIAL[kind](seed, rest) if rest else POLICIES[kind](seed)
 
 

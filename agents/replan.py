@@ -7,9 +7,10 @@ import numpy as np
 from fgenv.agents.drive import Drive, drive
 from fgenv.agents.events import Replanned, Report, silent
 from fgenv.agents.path_follower import PathFollower
+from fgenv.arrays import Floats
 from fgenv.planners import PlanarChecker, PlanningError, plan_planar, prove_free
 from fgenv.scenarios import Scene
-from fgenv.scenarios.se2 import Floats, reach, travel
+from fgenv.scenarios.se2 import reach, travel
 
 
 @dataclass
@@ -39,7 +40,7 @@ def drive_and_replan(
 ) -> Journey:
     """Drive along the path; on contact plan a new one to the scene's goal, and drive that.
 
-    The new path first goes back the way it came to where nothing is nearer than `margin` metres;
+    The new path first goes back the way it came to where nothing is nearer than `margin` meters;
     from there it keeps that margin, and is proved free before it is driven. Where there is none
     the journey ends, and its `problem` says why.
     """

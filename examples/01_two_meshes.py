@@ -5,7 +5,7 @@ import trimesh
 
 from fgenv.collision import Shape, collide, contact, nearest
 
-# Any arrays of vertices (metres) and triangles do; Shape.load("link.stl", scale=0.001) reads files.
+# Any arrays of vertices (meters) and triangles do; Shape.load("link.stl", scale=0.001) reads files.
 ring = trimesh.creation.torus(major_radius=0.3, minor_radius=0.05)
 peg = trimesh.creation.cylinder(radius=0.2, height=0.4)
 a = Shape(ring.vertices, ring.faces, name="ring")

@@ -21,7 +21,7 @@ def valid(state: ob.SE3State) -> bool:
 
 
 def plan() -> list[tuple[float, ...]]:
-    """Way points: x, y, z in metres, and the quaternion w, x, y, z."""
+    """Way points: x, y, z in meters, and the quaternion w, x, y, z."""
     ou.setLogLevel(ou.LOG_NONE)
     ou.RNG.setSeed(1)  # before anything is built
     bounds = ob.RealVectorBounds(3)

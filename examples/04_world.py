@@ -11,7 +11,7 @@ from fgenv.collision import Shape, World
 
 
 def place(x: float, y: float, yaw: float = 0.0) -> NDArray[np.float64]:
-    """A pose on the floor: metres and radians."""
+    """A pose on the floor: meters and radians."""
     return np.asarray(translation_matrix([x, y, 0.5]) @ rotation_matrix(yaw, [0, 0, 1]))
 
 
@@ -38,7 +38,7 @@ assert not set(near) & set(far)
 assert {world.mask(body) for body in near} == {1}
 assert {world.mask(body) for body in far} == {2}
 
-# Every leg is proved free, or its first contact is bracketed to a micrometre.
+# Every leg is proved free, or its first contact is bracketed to a micrometer.
 for start, end in pairwise(lane):
     assert world.check_motion(first, start, end)
 across = world.check_motion(first, lane[-1], place(20.0, 15.0))

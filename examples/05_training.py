@@ -4,7 +4,7 @@ import numpy as np
 
 from fgenv.envs import FleetVectorEnv, Observation, Reward  # or gymnasium.make_vec("fgenv/swap-v0")
 
-seen = Observation(lidar=False, velocity=False, neighbours=1)  # the goal, and the other robot
+seen = Observation(lidar=False, velocity=False, neighbors=1)  # the goal, and the other robot
 paid = Reward({"progress": 1.0, "arrival": 5.0, "collision": -0.05})
 worlds = FleetVectorEnv(
     "swap", num_envs=64, n=2, others="goto", starts="random", observation=seen, reward=paid

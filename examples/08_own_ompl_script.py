@@ -19,7 +19,7 @@ ou.RNG.setSeed(1)  # before anything is built
 sofa, wall = trimesh.creation.box((1.8, 0.8, 0.7)), trimesh.creation.box((0.1, 3.0, 2.5))
 world, part = World(), Shape(wall.vertices, wall.faces)
 world.add_robot(Robot.from_mesh(Shape(sofa.vertices, sofa.faces), name="sofa", base="planar"))
-for y in (-2.0, 2.0):  # a doorway one metre wide
+for y in (-2.0, 2.0):  # a doorway one meter wide
     world.add(part, translation_matrix([0, y, 0]), name=f"wall {y}")
 
 space = ob.SE2StateSpace()

@@ -15,7 +15,7 @@ wide = fgenv.verify("plan.npz", margin=10.0)
 assert not wide
 print(f"with 10 m to spare it is not: step {wide.failed}")
 
-# A robot that leaps a metre to the side: the file's hash tells that it was changed.
+# A robot that leaps a meter to the side: the file's hash tells that it was changed.
 with np.load("plan.npz") as file:
     arrays = dict(file)
 arrays["configurations_0"][20, 0] += 1.0

@@ -7,7 +7,7 @@ import numpy as np
 
 from fgenv.agents import POLICIES, Trained, evaluate, run_episode
 from fgenv.agents.training.recipes import Stage, recipe_of
-from fgenv.agents.training.training import Training, Wanted
+from fgenv.agents.training.training import Training, TrainingConfig
 from fgenv.envs import Simulator, View
 from fgenv.scenarios import frozen
 
@@ -31,8 +31,8 @@ for name, score in evaluate(cases, ["keep_right", "orca"]).scores.items():
     print(f"{name}: success {score.success.value:.2f} of episodes, 95 % in {low:.2f} to {high:.2f}")
 
 short = replace(recipe_of("swap"), stages=(Stage(1.0, "random"),), cases=5, rows=64)
-wanted = Wanted("swap", short, {"n": 2}, steps=20_000, every=20_000)
-Training(wanted, Path("swap")).run()  # as fgenv train does
+expected = TrainingConfig("swap", short, {"n": 2}, steps=20_000, every=20_000)
+Training(expected, Path("swap")).run()  # as fgenv train does
 
 policy = Trained.load("swap/policy.npz")  # no PyTorch from here on
 simulator = Simulator("swap", n=2, observation=policy.observation, autoreset=False)

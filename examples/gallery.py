@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from PIL import Image
 from trimesh.transformations import quaternion_matrix
 
 from fgenv.agents import run_episode
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.collision.world import Record as Body
 from fgenv.envs import Record
@@ -31,7 +31,6 @@ from fgenv.view.figures.quantize import small
 from fgenv.view.figures.scene import outline, placed, stage
 
 SIZE = 480, 360
-Floats = NDArray[np.float64]
 Names = dict[str, Any]  # what an example leaves behind
 
 

@@ -70,8 +70,8 @@ def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.
 
     Args:
         a, b: shapes.
-        Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
-        margin: metres; over 0, what is no farther apart than this collides. Distances are exact whatever
+        Ta, Tb: their poses (..., 4, 4), rigid, meters; leading dimensions broadcast.
+        margin: meters; over 0, what is no farther apart than this collides. Distances are exact whatever
             the shapes' methods, and so is this verdict.
         threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
@@ -79,12 +79,12 @@ def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.
         bool for single poses, else a bool array of the broadcast shape.
 
     Raises:
-        TypeError, ValueError: naming the argument, what came and what is wanted.
+        TypeError, ValueError: naming the argument, what came and what is expected.
     """
 
 def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
     """
-    Distance of two posed shapes in metres; 0 where they collide, containment included.
+    Distance of two posed shapes in meters; 0 where they collide, containment included.
 
     Exact whatever the shapes' methods.
 
@@ -259,7 +259,7 @@ class Simulator:
 
     def arrivals(self) -> NDArray[int64]: ...
 
-    def travelled(self) -> NDArray[float64]: ...
+    def traveled(self) -> NDArray[float64]: ...
 
     def rewards(self) -> NDArray[float64]: ...
 
@@ -311,5 +311,5 @@ class Network:
 def cheapest_way(prices: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
     pass
 
-def orca(discs: ArrayLike, wanted: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
+def orca(discs: ArrayLike, expected: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
     """Velocities by optimal reciprocal collision avoidance."""

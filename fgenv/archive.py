@@ -70,7 +70,7 @@ class Archive:
         """
         path = Path(path)
         if path.suffix != ".npz":
-            raise ValueError(f"{self.kind}: {path}, wanted a name that ends in .npz")
+            raise ValueError(f"{self.kind}: got {path}, expected a name that ends in .npz")
         head = {"format": self.format, "id": self.id(texts, arrays), **texts}
         half = path.with_name(f".{path.name}.part")
         try:
@@ -91,7 +91,7 @@ class Archive:
             with np.load(path, allow_pickle=False) as file:
                 said, id = str(file["format"]), str(file["id"])
                 if said.startswith(f"fgenv {self.kind} ") and said != self.format:
-                    told = f"is {said!r}, wanted {self.format!r}; use the fgenv that wrote it"
+                    told = f"is {said!r}, expected {self.format!r}; use the fgenv that wrote it"
                     raise self.error(f"{path}: {told}, or {self.remedy}")
                 texts = {name: str(file[name]) for name in self.texts}
                 others = [name for name in file.files if name not in ("format", "id", *texts)]

@@ -29,7 +29,7 @@ def rate(successes: float, trials: int) -> Estimate:
         ValueError: more successes than trials, or fewer than none.
     """
     if not 0 <= successes <= trials:
-        raise ValueError(f"successes: {successes}, wanted 0 to {trials}")
+        raise ValueError(f"successes: got {successes}, expected 0 to {trials}")
     if trials == 0:
         return Estimate(math.nan, math.nan, math.nan)
     p, z = successes / trials, NORMAL**2 / trials

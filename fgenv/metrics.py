@@ -7,12 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.envs import Record, Simulator
 from fgenv.robots import Robot
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -22,9 +20,9 @@ class RobotResult:
     Attributes:
         arrival: seconds until it was at its goal; None: it never was.
         collisions: steps in which it met something. A robot that was met at rest has none.
-        path_length: of its base, metres; of a fixed base, radians of all joints together.
+        path_length: of its base, meters; of a fixed base, radians of all joints together.
         unit: of that, m or rad.
-        least_clearance: metres to whatever was nearest after any step on the way; infinite where
+        least_clearance: meters to whatever was nearest after any step on the way; infinite where
             nothing was there, or it was not measured.
     """
 
@@ -98,7 +96,7 @@ class Results:
 
     @property
     def least_clearance(self) -> float:
-        """Metres, of all robots."""
+        """Meters, of all robots."""
         return min(robot.least_clearance for robot in self.robots)
 
     @property
@@ -137,12 +135,12 @@ def finite(x: float) -> float | None:
 def of_world(simulator: Simulator, world: int) -> Results:
     """Of the episode that a world is in."""
     if not 0 <= world < simulator.n_worlds:
-        raise ValueError(f"world: {world}, wanted 0 to {simulator.n_worlds - 1}")
+        raise ValueError(f"world: got {world}, expected 0 to {simulator.n_worlds - 1}")
     columns = zip(
         simulator.robots,
         simulator.arrival_steps[world].tolist(),
         simulator.collision_counts[world].tolist(),
-        simulator.travelled[world].tolist(),
+        simulator.traveled[world].tolist(),
         simulator.least_clearances[world].tolist(),
         strict=True,
     )
@@ -173,7 +171,7 @@ def result(
 
 
 def path_length(robot: Robot, q: Floats) -> float:
-    """Of configurations (n, nq) one after another: metres of the base; a fixed one's radians."""
+    """Of configurations (n, nq) one after another: meters of the base; a fixed one's radians."""
     by = np.diff(q, axis=0)
     if robot.base == "fixed":
         around = np.round(by / (2 * np.pi)) * (2 * np.pi)

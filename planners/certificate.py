@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision.world import TOLERANCE
 
 from .problem import Problem
 
-Floats = NDArray[np.float64]
-
-ROOM = 1e-4  # metres that the least clearance is found to
+ROOM = 1e-4  # meters that the least clearance is found to
 ROUNDS = 12  # of halving
 
 
@@ -26,9 +25,9 @@ class Certificate:
     """What is proved of a timed path.
 
     Attributes:
-        proved: all motions are free, and more than `margin` metres from everything all along.
-        margin: metres; a robot's own links only may not touch.
-        least: metres that nobody comes nearer on the way: a bound that is proved, within 0.1 mm
+        proved: all motions are free, and more than `margin` meters from everything all along.
+        margin: meters; a robot's own links only may not touch.
+        least: meters that nobody comes nearer on the way: a bound that is proved, within 0.1 mm
             of what the steps' ends show, or as near as was looked; infinite where nobody is near.
         steps: that were proved.
         failed: the first step that is not proved, or None.
@@ -54,7 +53,7 @@ def certify(
     Robots that vanish at their goals are gone from the step on in which they come to rest there.
 
     Args:
-        margin: metres to keep; the problem's if left out.
+        margin: meters to keep; the problem's if left out.
 
     Raises:
         ValueError: not one array (k + 1, nq) for each of the problem's robots.
@@ -87,7 +86,7 @@ def _fit(problem: Problem, configurations: Sequence[Floats]) -> None:
         or 0 in steps
     ):
         raise ValueError(
-            f"configurations: shapes {shapes}, wanted (steps + 1, nq) of each of the"
+            f"configurations: shapes {shapes}, expected (steps + 1, nq) of each of the"
             f" {len(problem.models)} robots, equally long"
         )
 
@@ -157,7 +156,7 @@ def _least(
 
 
 def _reach(problem: Problem, present: list[int], starts: Floats, ends: Floats) -> Floats:
-    """Metres by which two robots can come nearer to each other within a step, at most."""
+    """Meters by which two robots can come nearer to each other within a step, at most."""
     far, k = [], 0
     for i in present:
         model = problem.models[i]

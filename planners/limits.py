@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.robots import Robot
 from fgenv.robots.inverse_drive import actions_between, left_over
 
 if TYPE_CHECKING:
     from .problem import Problem
 
-Floats = NDArray[np.float64]
 
-THERE = 1e-9  # metres, or so much of a turn: rounding
+THERE = 1e-9  # meters, or so much of a turn: rounding
 SLACK = 1e-6  # of a limit
 CORNER = 0.03  # of its speed, that a car is off where a step crosses a corner of its chords
 
@@ -51,7 +50,7 @@ def wrong_with(problem: Problem, i: int, q: Floats) -> str | None:
     """What of a robot's timed path does not fit the problem, or None."""
     model = problem.models[i]
     if q.ndim != 2 or q.shape[1] != model.nq or not np.isfinite(q).all():
-        return f"has configurations of shape {q.shape}, wanted (steps + 1, {model.nq}), finite"
+        return f"has configurations of shape {q.shape}, expected (steps + 1, {model.nq}), finite"
     for row, end, told in ((q[0], problem.starts[i], "begin"), (q[-1], problem.goals[i], "end")):
         if model.distance(row, end) > THERE:
             return f"does not {told} at its {'start' if told == 'begin' else 'goal'}"

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.errors import near
 
@@ -23,10 +23,8 @@ from .plan import Plan, padded
 from .problem import Problem
 from .timing import steps_together
 
-Floats = NDArray[np.float64]
-
 STRAIGHT = 1e-6  # m or rad, of two steps that are alike
-EXTRA = (0.0, 0.005, 0.02)  # metres of margin while planning, where the timed path is not proved
+EXTRA = (0.0, 0.005, 0.02)  # meters of margin while planning, where the timed path is not proved
 
 
 def plan(
@@ -44,7 +42,7 @@ def plan(
     """Plan all robots of a scenario from their starts to their goals, and prove the plan.
 
     The timed motion of all robots at once, as it will be executed, is proved free with `margin`
-    metres to spare; `plan.certificate` says so, and how near they come.
+    meters to spare; `plan.certificate` says so, and how near they come.
 
     Args:
         scenario: a name, a file, a Scenario.
@@ -55,7 +53,7 @@ def plan(
         simplify: shorten what the planner found, and prove it again.
         method: see `fgenv.planners.METHODS`: `composite`, `prioritized`, `conflict_based`; if left
             out composite for one robot, prioritized for more.
-        margin: metres that are kept from everything.
+        margin: meters that are kept from everything.
         objective: `length`, `clearance` or `time`, of a planner that looks for the best path.
         overrides: for `Scenario.load`.
 
@@ -69,7 +67,7 @@ def plan(
     if method not in METHODS:
         raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
     if not 0 < time_limit < math.inf:
-        raise ValueError(f"time_limit: {time_limit}, wanted finite seconds over 0")
+        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
     problem.check()
     began = time.perf_counter()
     for extra in EXTRA:

@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fgenv.archive import Archive
+from fgenv.arrays import Floats
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
@@ -36,8 +37,6 @@ from fgenv.scenarios.validation import files
 from .certificate import Certificate, arrival, certify
 from .limits import wrong_with
 from .problem import Problem
-
-Floats = NDArray[np.float64]
 
 
 class PlanError(ValueError):
@@ -109,7 +108,7 @@ class Plan:
 
     @cached_property
     def lengths(self) -> tuple[float, ...]:
-        """Of each robot's path: metres of a base that moves, else of `Robot.distance`."""
+        """Of each robot's path: meters of a base that moves, else of `Robot.distance`."""
         models = self.scenario.build().robots
         return tuple(_length(m, q) for m, q in zip(models, self.configurations, strict=True))
 
@@ -117,7 +116,7 @@ class Plan:
         """Configurations (..., nq) of each robot at times (...) in seconds; at rest outside."""
         when = np.asarray(time, dtype=np.float64)
         if np.isnan(when).any():
-            raise ValueError("time: NaN, wanted seconds")
+            raise ValueError("time: NaN, expected seconds")
         step = np.clip(when / self.dt, 0.0, self.steps)
         k = np.minimum(step.astype(int), max(self.steps - 1, 0))
         after = np.minimum(k + 1, self.steps)
@@ -199,7 +198,7 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
 
     Args:
         plan: or its file.
-        margin: metres; what the plan claims if left out.
+        margin: meters; what the plan claims if left out.
 
     Raises:
         PlanError: it does not fit its scenario: ends, limits, shapes, other mesh files.

@@ -5,19 +5,20 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import MotionResult
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.planar_rrt import PlanarPlan, rrt_connect
 from fgenv.scenarios import bounds as bounds_of
 from fgenv.scenarios import in_contact
-from fgenv.scenarios.se2 import Floats, as_path, as_poses, reach
+from fgenv.scenarios.se2 import as_path, as_poses, reach
 
 
 class PlanarChecker:
     """Validity of a robot's configurations and motions in a world.
 
-    Valid is what keeps more than `margin` metres (0: does not touch) from all bodies. Call it with
+    Valid is what keeps more than `margin` meters (0: does not touch) from all bodies. Call it with
     x, y, yaw, as OMPL does; `free` takes many configurations at once.
     """
 
@@ -52,7 +53,7 @@ class PlanarChecker:
         return self.world.check_motion(self.robot, poses[:-1], poses[1:], margin=margin)
 
     def clearance(self, configurations: ArrayLike) -> Floats:
-        """Metres (n,) to the nearest body at configurations (n, 3)."""
+        """Meters (n,) to the nearest body at configurations (n, 3)."""
         return self.world.clearance(self.robot, as_poses(configurations, self.height)).distance
 
 

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
-from fgenv.scenarios.se2 import Floats, as_path, refine
+from fgenv.scenarios.se2 import as_path, refine
 
 Valid = Callable[[float, float, float], bool]
 
@@ -68,7 +69,7 @@ def rrt_connect(
     """PlanarPlan from start to goal (x, y, yaw each) within bounds (2, 2): least and greatest x, y.
 
     `valid(x, y, yaw)` says whether a configuration is free. Motions are checked every
-    `resolution` metres, of a body whose points lie within `radius` metres of its z axis. Then
+    `resolution` meters, of a body whose points lie within `radius` meters of its z axis. Then
     `proof(path)` has to say that the whole simplified path (n, 3) is free; without one its states
     are checked four times finer. Where it fails, it is planned anew at that resolution. Same seed,
     same path, unless the time limit (s) cuts the search short.

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE
 from fgenv.robots import Robot
@@ -19,8 +19,6 @@ from fgenv.scenarios import Built, Scenario
 from fgenv.scenarios.library import ENTRIES
 
 from .errors import PlanningError
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +28,7 @@ class Problem:
     Attributes:
         built: of the scenario.
         world: of all bodies, the robots at their starts.
-        margin: metres that robots keep from everything, and from each other.
+        margin: meters that robots keep from everything, and from each other.
         seed: of all that is random.
     """
 
@@ -56,20 +54,20 @@ class Problem:
         if isinstance(scenario, Problem):
             if overrides or margin not in (0.0, scenario.margin) or seed not in (0, scenario.seed):
                 raise ValueError(
-                    "margin, seed, overrides: a Problem has its own, wanted Problem.of(scenario,"
+                    "margin, seed, overrides: a Problem has its own, expected Problem.of(scenario,"
                     " margin, seed)"
                 )
             return scenario
         if not np.isfinite(margin) or margin < 0:
-            raise ValueError(f"margin: {margin}, wanted metres, 0 or more")
+            raise ValueError(f"margin: got {margin}, expected meters, 0 or more")
         if seed < 0:
-            raise ValueError(f"seed: {seed}, wanted 0 or more")
+            raise ValueError(f"seed: got {seed}, expected 0 or more")
         if isinstance(scenario, str) and scenario in ENTRIES:
             overrides.setdefault("seed", seed)
         if not isinstance(scenario, Scenario):
             scenario = Scenario.load(scenario, **overrides)
         if not scenario.robots:
-            raise ValueError(f"scenario: {scenario.name!r} has no robots, wanted one at least")
+            raise ValueError(f"scenario: {scenario.name!r} has no robots, expected one at least")
         built = scenario.build()
         return cls(built, built.world(), float(margin), int(seed))
 
@@ -144,10 +142,10 @@ class Problem:
         """
         if isinstance(robot, str):
             if robot not in self.names:
-                raise ValueError(f"robot: {robot!r}, wanted one of {', '.join(self.names)}")
+                raise ValueError(f"robot: got {robot!r}, expected one of {', '.join(self.names)}")
             return self.names.index(robot)
         if not 0 <= robot < len(self.names):
-            raise ValueError(f"robot: {robot}, wanted 0 to {len(self.names) - 1}, or a name")
+            raise ValueError(f"robot: got {robot}, expected 0 to {len(self.names) - 1}, or a name")
         return int(robot)
 
     def check(self, which: Sequence[int] | None = None) -> None:

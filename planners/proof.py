@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fgenv.arrays import Floats
 from fgenv.planners.planar import PlanarChecker
-from fgenv.scenarios.se2 import Floats, as_path, reach, refine
+from fgenv.scenarios.se2 import as_path, reach, refine
 
-ROOM = 1e-4  # metres that the clearance is found to
-LOOK = 0.02  # metres between the places where it is looked for
+ROOM = 1e-4  # meters that the clearance is found to
+LOOK = 0.02  # meters between the places where it is looked for
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.robots import Car, DifferentialDrive, Drive, MobileManipulator, Robot
-
-Floats = NDArray[np.float64]
 
 CHORDS = 1.002  # a car's circle is drawn so much larger: chords are shorter than their arcs
 WAYS = ("straight", "turn_drive_turn", "dubins", "reeds_shepp")
@@ -24,7 +22,7 @@ class Steering:
     Attributes:
         way: `straight`: as `Robot.interpolate`. `turn_drive_turn`: on the spot, on, on the spot.
             `dubins`, `reeds_shepp`: a car's shortest, forwards only or both ways.
-        radius: of a car's smallest circle, metres.
+        radius: of a car's smallest circle, meters.
         reverse: whether turn_drive_turn may drive backwards.
     """
 
@@ -34,9 +32,9 @@ class Steering:
 
     def __post_init__(self) -> None:
         if self.way not in WAYS:
-            raise ValueError(f"steering: {self.way!r}, wanted one of {', '.join(WAYS)}")
+            raise ValueError(f"steering: got {self.way!r}, expected one of {', '.join(WAYS)}")
         if not 0 < self.radius < math.inf:
-            raise ValueError(f"steering: radius {self.radius}, wanted finite metres over 0")
+            raise ValueError(f"steering: radius {self.radius}, expected finite meters over 0")
 
     @property
     def code(self) -> int:
@@ -50,7 +48,7 @@ class Steering:
         if isinstance(drive, Car):
             if way == "turn_drive_turn":
                 raise ValueError(
-                    f"steering: {way!r}, {robot.name!r} is a car, wanted 'reeds_shepp'"
+                    f"steering: {way!r}, {robot.name!r} is a car, expected 'reeds_shepp'"
                 )
             return cls(way or "reeds_shepp", CHORDS * drive.min_turning_radius)
         if way in ("dubins", "reeds_shepp"):

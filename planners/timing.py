@@ -17,8 +17,8 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.robots import (
     Car,
     DifferentialDrive,
@@ -34,8 +34,6 @@ from fgenv.robots.inverse_drive import changes
 from .errors import PlanningError
 from .steering import platform
 
-Floats = NDArray[np.float64]
-
 SPEED = 1.0  # m/s of the fastest point of a robot that has no drive
 BEND = 1e-6  # directions that differ less go on straight
 LEAST = 1e-12  # a change that is none
@@ -46,7 +44,7 @@ TILT = 1e-5  # radians
 
 @dataclass(frozen=True)
 class Amount:
-    """One thing that a leg changes, and its limits: metres or radians, per second, per second^2."""
+    """One thing that a leg changes, and its limits: meters or radians, per second, per second^2."""
 
     change: float
     speed: float
@@ -108,11 +106,11 @@ def _profile(durations: list[float], acceleration: float, first: int, dt: float)
 
 def _ruckig(length: float, acceleration: float, dt: float) -> Floats:
     """From rest to rest at a speed of 1 at most, in whole steps: where it is after each."""
-    solver, wanted, trajectory = _solver(dt)
-    wanted.target_position = [length]
-    wanted.max_velocity = [1.0]
-    wanted.max_acceleration = [acceleration]
-    solver.calculate(wanted, trajectory)
+    solver, expected, trajectory = _solver(dt)
+    expected.target_position = [length]
+    expected.max_velocity = [1.0]
+    expected.max_acceleration = [acceleration]
+    solver.calculate(expected, trajectory)
     steps = max(1, round(trajectory.duration / dt))
     return np.array([trajectory.at_time(k * dt)[0][0] for k in range(1, steps + 1)])
 
@@ -121,11 +119,11 @@ def _ruckig(length: float, acceleration: float, dt: float) -> Floats:
 def _solver(dt: float):  # type: ignore[no-untyped-def]
     import ruckig
 
-    wanted = ruckig.InputParameter(1)
-    wanted.current_position = wanted.current_velocity = wanted.current_acceleration = [0.0]
-    wanted.target_velocity = wanted.target_acceleration = [0.0]
-    wanted.duration_discretization = ruckig.DurationDiscretization.Discrete
-    return ruckig.Ruckig(1, dt), wanted, ruckig.Trajectory(1)
+    expected = ruckig.InputParameter(1)
+    expected.current_position = expected.current_velocity = expected.current_acceleration = [0.0]
+    expected.target_velocity = expected.target_acceleration = [0.0]
+    expected.duration_discretization = ruckig.DurationDiscretization.Discrete
+    return ruckig.Ruckig(1, dt), expected, ruckig.Trajectory(1)
 
 
 def _along(robot: Robot, path: Floats, at: Floats) -> Floats:

@@ -25,11 +25,11 @@ def test_the_id_is_the_hash_of_the_bytes_that_the_format_tells(tmp_path: Path) -
     said = b"fgenv odd 2\n" + "about 2\näh\n".encode()
     said += b"marks (2,)\n" + struct.pack("<2i", 7, -1)
     said += b"places (2, 1)\n" + struct.pack("<2d", 0.5, 2.0)
-    wanted = hashlib.sha256(said).hexdigest()
-    assert ODD.id(TEXTS, ARRAYS) == wanted
+    expected = hashlib.sha256(said).hexdigest()
+    assert ODD.id(TEXTS, ARRAYS) == expected
     ODD.save(tmp_path / "a.npz", TEXTS, ARRAYS)
     with np.load(tmp_path / "a.npz") as file:
-        assert str(file["id"]) == wanted
+        assert str(file["id"]) == expected
         assert [file[name].dtype.str for name in ARRAYS] == ["<i4", "<f8"]
     texts, arrays = ODD.load(tmp_path / "a.npz", lambda *found: found)
     assert texts == TEXTS
@@ -57,7 +57,7 @@ def test_another_version_is_told_whatever_is_in_it(tmp_path: Path) -> None:
     np.savez(tmp_path / "new.npz", **new)  # an array that this version cannot read
     with pytest.raises(
         OddError,
-        match="is 'fgenv odd 3', wanted 'fgenv odd 2'; use the fgenv that wrote it, or make it",
+        match="is 'fgenv odd 3', expected 'fgenv odd 2'; use the fgenv that wrote it, or make it",
     ):
         ODD.load(tmp_path / "new.npz", lambda *found: found)
 

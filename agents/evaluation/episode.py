@@ -31,7 +31,7 @@ def run_episode(
             or not finite.
     """
     if simulator.n_worlds != 1:
-        raise ValueError(f"simulator: has {simulator.n_worlds} worlds, wanted one")
+        raise ValueError(f"simulator: has {simulator.n_worlds} worlds, expected one")
     recorder = recorder or Recorder(type(policy).__name__)
     observations = simulator.reset(seed=seed)
     recorder.begin(simulator)

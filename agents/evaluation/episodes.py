@@ -94,6 +94,6 @@ def straight(
     """How each robot would do with nothing in its way: `goto`, and all pass through each other."""
     template = cases.template.model_copy(update={"on_collision": "pass"})
     open_, policy = replace(cases, template=template), GoTo()
-    policy.observation = Observation(velocity=False, lidar=False, neighbours=0)
+    policy.observation = Observation(velocity=False, lidar=False, neighbors=0)
     found = run_cases(open_, policy, which, clearance=False, threads=threads)
     return [episode.results for episode in found]

@@ -95,16 +95,16 @@ def units(
     """Parts of the work, in one order, whoever does them."""
     n = len(result.cases)
     parts = [range(first, min(first + WORLDS, n)) for first in range(0, n, WORLDS)]
-    wanted = [(policy, part) for part in parts for policy in (STRAIGHT, *result.policies)]
+    expected = [(policy, part) for part in parts for policy in (STRAIGHT, *result.policies)]
     if jobs == 1:
-        for policy, part in wanted:
+        for policy, part in expected:
             yield policy, unit(result.cases, policy, part, seed, None, clearance)
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
         try:
-            made = [pool.submit(unit, result.cases, *work, seed, 1, clearance) for work in wanted]
-            for (policy, _), future in zip(wanted, made, strict=True):
+            made = [pool.submit(unit, result.cases, *work, seed, 1, clearance) for work in expected]
+            for (policy, _), future in zip(expected, made, strict=True):
                 yield policy, future.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)

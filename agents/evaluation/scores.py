@@ -27,10 +27,10 @@ class Score:
         extra_time: seconds from the start until a robot is at its goal, less those that it takes
             straight there with nothing in the way. Mean over the robots of episodes that all
             policies solve; so are the next two.
-        extra_distance: metres (of a fixed base: radians) that it goes farther than straight.
+        extra_distance: meters (of a fixed base: radians) that it goes farther than straight.
         makespan: seconds until the last robot of an episode is at its goal.
-        speed: metres (radians) a second of a robot until it is there, or the episode ends.
-        least_clearance: metres to whatever is nearest, the least of an episode; mean over episodes.
+        speed: meters (radians) a second of a robot until it is there, or the episode ends.
+        least_clearance: meters to whatever is nearest, the least of an episode; mean over episodes.
     """
 
     episodes: int

@@ -11,8 +11,8 @@ import numpy as np
 from fgenv.agents.policies.observation import Seeing
 from fgenv.agents.policies.orca import Orca
 from fgenv.agents.tracking.velocity_tracking import targets
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import View
-from fgenv.envs.simulator import Floats, Rows
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class BaseAction:
     straight to the goal or along the path, need not be learned; what is learned is to avoid.
 
     Attributes:
-        near: metres from the goal (of a fixed base: radians of all joints together) at which
+        near: meters from the goal (of a fixed base: radians of all joints together) at which
             `goto` takes over; 0: it never does.
         residual: if over 0, the action is that of `goto` plus so many times the output, both
             brought to [-1, 1]. Where robots observe a path hint, `goto` follows it.
@@ -59,7 +59,7 @@ class Acting(Seeing):
         if self._orca is not None:
             self._orca.reset(view)
 
-    def actions(self, asked: Floats, observations: Rows) -> Floats:
+    def actions(self, asked: Floats, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size) from outputs, alike, and what robots observe."""
         view, base = self.view, self.base
         asked = np.clip(np.asarray(asked, dtype=np.float64), -1.0, 1.0)

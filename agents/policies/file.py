@@ -14,8 +14,8 @@ An archive (`fgenv.archive`) of the format "fgenv policy 1":
     offsets_k   (outputs,) float64
 
 The last layer's output, brought to [-1, 1], is the action; but who is nearer than `near` to its
-goal (metres; of a fixed base radians of all joints) does what `goto` does. All other layers have
-the activation. There is a fixed number of neighbours; where a scenario has fewer robots the missing
+goal (meters; of a fixed base radians of all joints) does what `goto` does. All other layers have
+the activation. There is a fixed number of neighbors; where a scenario has fewer robots the missing
 ones are zeros, as a simulator gives them.
 """
 
@@ -28,13 +28,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fgenv.archive import Archive
+from fgenv.arrays import Floats
 
 ACTIVATIONS = ("tanh", "relu")
 NEEDED = {"observation", "parts", "actions", "action_names", "near", "activation", "clip"}
-Floats = NDArray[np.float64]
 
 
 class PolicyError(ValueError):
@@ -65,17 +64,19 @@ class PolicyFile:
             raise PolicyError(f"policy: says nothing of {', '.join(missing)}; train it again")
         size = sum(size for _, size in self.about["parts"])
         if self.mean.shape != (size,) or self.std.shape != (size,) or not (self.std > 0).all():
-            raise PolicyError(f"policy: mean, std: wanted ({size},), std over 0")
+            raise PolicyError(f"policy: mean, std: expected ({size},), std over 0")
         if not np.isfinite([self.mean, self.std]).all():
-            raise PolicyError("policy: mean, std: wanted finite numbers")
+            raise PolicyError("policy: mean, std: expected finite numbers")
         ends = [(weights.shape[0], len(offsets)) for weights, offsets in self.layers]
         drive, actions = self.about["actions"] == "drive", len(self.about["action_names"])
         if not ends or ends[0][0] != size or (drive and ends[-1][1] != actions):
             told = f"from {ends[0][0]} to {ends[-1][1]} numbers" if ends else "none"
-            raise PolicyError(f"policy: layers: {told}, wanted from {size} to {actions}")
+            raise PolicyError(f"policy: layers: got {told}, expected from {size} to {actions}")
         if self.about["activation"] not in ACTIVATIONS:
             said = self.about["activation"]
-            raise PolicyError(f"policy: activation: {said!r}, wanted {' or '.join(ACTIVATIONS)}")
+            raise PolicyError(
+                f"policy: activation: got {said!r}, expected {' or '.join(ACTIVATIONS)}"
+            )
 
     @property
     def arrays(self) -> dict[str, Floats]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fgenv import _core
+from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
-from fgenv.envs.simulator import Flags, Floats, Rows
 
 LEVEL = 1e-6  # of a ray's direction: those that rise or fall see no walls
 
@@ -20,9 +20,9 @@ class Lidar:
     Attributes:
         part: of the row.
         level: which of its rays neither rise nor fall, (all rays,) bool.
-        at: where they begin, (3,), base's frame, metres.
+        at: where they begin, (3,), base's frame, meters.
         rays: unit vectors of those that are level, (rays, 3).
-        range: metres.
+        range: meters.
     """
 
     part: slice
@@ -39,7 +39,7 @@ class Lidar:
         level = np.abs(rays[:, 2]) <= LEVEL
         return cls(part, level, at, rays[level], reach)
 
-    def points(self, q: Floats, rows: Rows) -> Floats:
+    def points(self, q: Floats, rows: Floats32) -> Floats:
         """Where rays end from configurations (n, nq) with rows of observations, (n, rays, 2).
 
         NaN where a ray ends nowhere.

@@ -11,9 +11,9 @@ from fgenv import _core
 from fgenv.agents.policies.base_action import Acting, BaseAction
 from fgenv.agents.policies.file import PolicyError, PolicyFile
 from fgenv.agents.policies.observation import Seeing
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
 from fgenv.envs.observations import Part
-from fgenv.envs.simulator import Floats, Rows
 
 
 class Trained(Seeing):
@@ -29,7 +29,7 @@ class Trained(Seeing):
         self.file = file
         seen = self.observation = Observation(**file.about["observation"])
         many = 2 if seen.priority else 1
-        self._neighbour = {flat: many * seen.neighbour_size(flat) for flat in (True, False)}
+        self._neighbor = {flat: many * seen.neighbor_size(flat) for flat in (True, False)}
         self.actions: str = file.about["actions"]
         kinds = [file.about["activation"]] * (len(file.layers) - 1) + ["none"]
         layers = zip(file.layers, kinds, strict=True)
@@ -56,11 +56,11 @@ class Trained(Seeing):
         super().reset(view)
         self._acting.reset(view)
         about = self.file.about
-        wanted = [(name, size) for name, size in about["parts"]]
+        expected = [(name, size) for name, size in about["parts"]]
         flat = all(robot.base == "planar" for robot in view.robots)
-        others = self._neighbour[flat] * (view.n_robots - 1)
+        others = self._neighbor[flat] * (view.n_robots - 1)
         self._slices = [
-            fitted(wanted, parts, view.names[i], others) for i, parts in enumerate(view.layouts)
+            fitted(expected, parts, view.names[i], others) for i, parts in enumerate(view.layouts)
         ]
         for i, robot in enumerate(view.robots):
             names = [action.name for action in robot.actions]
@@ -68,10 +68,10 @@ class Trained(Seeing):
             if names != known or view.actions != self.actions:
                 raise PolicyError(
                     f"policy: {view.names[i]!r} acts by {', '.join(names)} ({view.actions}),"
-                    f" wanted {', '.join(known)} ({self.actions})"
+                    f" expected {', '.join(known)} ({self.actions})"
                 )
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         file = self.file
         rows = np.zeros((*observations.shape[:2], len(file.mean)))
@@ -83,7 +83,7 @@ class Trained(Seeing):
 
 
 def fitted(
-    wanted: Sequence[tuple[str, int]], parts: Sequence[Part], robot: str, others: int
+    expected: Sequence[tuple[str, int]], parts: Sequence[Part], robot: str, others: int
 ) -> list[tuple[slice, slice]]:
     """Where a robot's row goes in the network's: pairs of slices.
 
@@ -96,26 +96,26 @@ def fitted(
     there = {part.name: part.slice for part in parts}
     sizes = [(name, part.stop - part.start) for name, part in there.items()]
     found, begin = [], 0
-    for name, size in wanted:
+    for name, size in expected:
         of = there.pop(name, slice(0, 0))
         n = of.stop - of.start
         enough = n >= size or n == others  # more than it wants, or all that there are
-        if not enough if name == "neighbours" else n != size:
-            raise unfit(wanted, sizes, robot)
+        if not enough if name == "neighbors" else n != size:
+            raise unfit(expected, sizes, robot)
         n = min(n, size)
         found.append((slice(begin, begin + n), slice(of.start, of.start + n)))
         begin += size
-    if there.keys() - {"neighbours"}:
-        raise unfit(wanted, sizes, robot)
+    if there.keys() - {"neighbors"}:
+        raise unfit(expected, sizes, robot)
     return found
 
 
 def unfit(
-    wanted: Sequence[tuple[str, int]], sizes: Sequence[tuple[str, int]], name: str
+    expected: Sequence[tuple[str, int]], sizes: Sequence[tuple[str, int]], name: str
 ) -> PolicyError:
     """What is told where they differ."""
-    here, there = (", ".join(f"{part} ({n})" for part, n in row) for row in (sizes, wanted))
+    here, there = (", ".join(f"{part} ({n})" for part, n in row) for row in (sizes, expected))
     return PolicyError(
-        f"policy: {name!r} observes {here}, wanted {there} (numbers of each); give the simulator"
+        f"policy: {name!r} observes {here}, expected {there} (numbers of each); give the simulator"
         " the policy's observation"
     )

@@ -12,8 +12,8 @@ from fgenv import _core
 from fgenv.agents.policies.lidar_points import Lidar
 from fgenv.agents.policies.observation import Seeing
 from fgenv.agents.tracking.velocity_tracking import base_of, followed, targets
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
-from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Holonomic, Robot
 from fgenv.robots.footprint import enclosing
 
@@ -41,9 +41,9 @@ class Orca(Seeing):
     Args:
         horizon: seconds ahead that robots shall not meet.
         wall_horizon: the same of what the lidar sees.
-        margin: metres that a disc is larger than the body needs.
-        slack: metres more, of drives that cannot go sideways.
-        range: metres between centres: who is farther away is not looked at.
+        margin: meters that a disc is larger than the body needs.
+        slack: meters more, of drives that cannot go sideways.
+        range: meters between centers: who is farther away is not looked at.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Orca(Seeing):
         for robot in view.robots:
             if robot.base != "planar":
                 raise ValueError(
-                    f"orca: {robot.name!r} has a {robot.base} base, wanted discs on a plane;"
+                    f"orca: {robot.name!r} has a {robot.base} base, expected discs on a plane;"
                     " take another policy, such as goto"
                 )
         self._radii = np.array([self._radius(robot) for robot in view.robots])
@@ -83,11 +83,11 @@ class Orca(Seeing):
         self._rates = np.array([robot.actions[0].rate for robot in view.robots])
         self._lidars = [Lidar.of(view, i) for i in range(view.n_robots)]
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         return self.toward(targets(self.view, observations), observations)
 
-    def toward(self, points: Floats, observations: Rows, more: Floats | None = None) -> Floats:
+    def toward(self, points: Floats, observations: Floats32, more: Floats | None = None) -> Floats:
         """Actions (worlds, robots, size) that avoid others on the way to points.
 
         Args:
@@ -97,13 +97,13 @@ class Orca(Seeing):
         """
         view = self.view
         q, goals = view.configurations, view.goals
-        wanted = self._straight(q, points)
+        expected = self._straight(q, points)
         if more is not None:
-            wanted = self._shifted(wanted, q, more)
+            expected = self._shifted(expected, q, more)
         found = _core.orca(
             self._discs(q),
-            wanted,
-            np.broadcast_to(self._speeds, wanted.shape[:2]),
+            expected,
+            np.broadcast_to(self._speeds, expected.shape[:2]),
             self._points(q, observations),
             self.horizon,
             self.wall_horizon,
@@ -137,11 +137,11 @@ class Orca(Seeing):
         share: Floats = np.divide(rate, far, out=np.zeros_like(far), where=far > 0)[..., None]
         return to * share
 
-    def _shifted(self, wanted: Floats, q: Floats, more: Floats) -> Floats:
+    def _shifted(self, expected: Floats, q: Floats, more: Floats) -> Floats:
         """Velocities and something more, at most as fast as the robot."""
         sine, cosine = _core.sin_cos(q[..., 2])
         x, y = np.moveaxis(more, -1, 0) * self._speeds
-        found: Floats = wanted + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+        found: Floats = expected + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
         speed = np.sqrt((found**2).sum(axis=-1))
         found *= (self._speeds / np.maximum(speed, self._speeds))[..., None]
         return found
@@ -161,7 +161,7 @@ class Orca(Seeing):
         discs[~view.moving, 2:4] = 0.0
         return discs
 
-    def _points(self, q: Floats, observations: Rows) -> Floats:
+    def _points(self, q: Floats, observations: Floats32) -> Floats:
         """Where rays end on what is no robot, (worlds, robots, rays, 2); else NaN."""
         most = max(len(lidar.rays) for lidar in self._lidars)
         points = np.full((*q.shape[:2], most, 2), np.nan)
@@ -181,7 +181,7 @@ class Orca(Seeing):
                 at[(by**2).sum(axis=-1) < radii[:, j, None] ** 2] = np.nan
 
     def _ahead(self, q: Floats, v: Floats) -> Floats:
-        """Where to drive so that the velocity is what is wanted, (worlds, robots, nq)."""
+        """Where to drive so that the velocity is what is expected, (worlds, robots, nq)."""
         speed = np.sqrt((v**2).sum(axis=-1))
         far = speed * self.view.dt + speed**2 / (2 * self._rates)  # it slows down in time for that
         ahead = self.view.goals

@@ -12,15 +12,15 @@ from fgenv.agents.policies.observation import Seeing
 from fgenv.agents.tracking.executable_plan import Course, find, slack
 from fgenv.agents.tracking.executable_plan import late as late_from
 from fgenv.agents.tracking.lookahead import free_steps
-from fgenv.agents.tracking.plan_clock import Flags, Run, rates
+from fgenv.agents.tracking.plan_clock import Run, rates
 from fgenv.agents.tracking.waypoint_tracking import can, drives, way_points
+from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
-from fgenv.envs.simulator import Floats, Rows
 from fgenv.planners import Plan, PlanningError
 from fgenv.scenarios import Scenario
 
-LATE_BY_WAY_POINTS = 0.05  # metres: a way point 2 cm away is not driven at
+LATE_BY_WAY_POINTS = 0.05  # meters: a way point 2 cm away is not driven at
 
 
 class PlanWarning(UserWarning):
@@ -78,7 +78,7 @@ class Planned(Seeing):
 
     @property
     def tracking_error(self) -> float:
-        """Metres by which any robot was farthest from its plan, from the last reset to now."""
+        """Meters by which any robot was farthest from its plan, from the last reset to now."""
         self._look(self.view.configurations)
         return self._worst
 
@@ -89,7 +89,7 @@ class Planned(Seeing):
             max((run.waited for run in self._runs if run is not None), default=0.0) * self.view.dt
         )
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         view = self.view
         self._refresh()
@@ -154,7 +154,7 @@ class Planned(Seeing):
 
     @property
     def _tolerance(self) -> Floats:
-        """Metres: farther off its course each robot is late."""
+        """Meters: farther off its course each robot is late."""
         if self._simulator.actions == "way_points":
             return np.full(self.view.n_robots, LATE_BY_WAY_POINTS)
         return np.array([late_from(robot) for robot in self.view.robots])
@@ -169,7 +169,7 @@ class Planned(Seeing):
         return places
 
     def _look(self, q: Floats) -> Floats:
-        """Metres that robots are off their courses, (worlds, robots); 0 of those who are there."""
+        """Meters that robots are off their courses, (worlds, robots); 0 of those who are there."""
         off, places, moving = np.zeros(q.shape[:2]), self._places(q), self.view.moving
         for i, robot in enumerate(self.view.robots):
             off[:, i] = robot.distance(q[:, i, : robot.nq], places[:, i, : robot.nq])

@@ -10,11 +10,11 @@ import numpy as np
 
 from fgenv.agents.policies.plan import Planned
 from fgenv.agents.tracking.executable_plan import Course
-from fgenv.agents.tracking.plan_clock import Flags, Run
+from fgenv.agents.tracking.plan_clock import Run
 from fgenv.agents.tracking.replan_problem import from_here, onward
+from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
-from fgenv.envs.simulator import Floats, Rows
 from fgenv.envs.state_readers import PARKED
 from fgenv.planners import PlanningError
 
@@ -75,7 +75,7 @@ class Replanning(Planned):
         self._watches: dict[int, tuple[Run, Watch]] = {}
         super().reset(view)
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         actions = super().act(observations)
         for k, (_, watch) in self._watches.items():

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv.agents.policies.observation import Seeing
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Policy, View
-from fgenv.envs.simulator import Floats, Rows
 
 
 class Safe(Seeing):
@@ -32,7 +32,7 @@ class Safe(Seeing):
         super().reset(view)
         self.policy.reset(view)
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         asked = np.array(self.policy.act(observations), dtype=np.float64)
         rest, stopped = self.view.toward(self.view.configurations), np.zeros(asked.shape[:2], bool)

@@ -13,8 +13,8 @@ import numpy as np
 
 from fgenv.agents.policies.base_action import Acting, BaseAction
 from fgenv.agents.policies.observation import Seeing
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
-from fgenv.envs.simulator import Floats, Rows
 
 KEYS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD3"}
 
@@ -22,7 +22,7 @@ KEYS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD
 class Sb3Policy(Seeing):
     """The best action of a model that `model.save(FILE)` wrote: PPO, A2C, SAC or TD3.
 
-    Needs the extra `agents`. Observations are normalised by the `VecNormalize` that
+    Needs the extra `agents`. Observations are normalized by the `VecNormalize` that
     `envs.save(...)` wrote to the file of the same name with the suffix `.pkl`, if there is one.
     Both hold pickles: use only files that you trust. What it observes, and where `goto` takes over,
     is in the `.json` that `fgenv train` wrote beside it; without one it
@@ -60,21 +60,21 @@ class Sb3Policy(Seeing):
             ValueError: the robots observe or act otherwise than those that it was trained on.
         """
         super().reset(view)
-        (wanted,) = self._model.observation_space.shape
+        (expected,) = self._model.observation_space.shape
         for name, parts in zip(view.names, view.layouts, strict=True):
             here = max((part.slice.stop for part in parts), default=0)
-            if here != wanted:
+            if here != expected:
                 told = ", ".join(f"{p.name} ({p.slice.stop - p.slice.start})" for p in parts)
                 raise ValueError(
-                    f"policy: {name!r} observes {here} numbers ({told}), wanted {wanted}; give the"
-                    " simulator the observation that it was trained with"
+                    f"policy: {name!r} observes {here} numbers ({told}), expected {expected}; give"
+                    " the simulator the observation that it was trained with"
                 )
         (size,) = self._model.action_space.shape
         if size != view.action_size:
-            raise ValueError(f"policy: gives actions of {size}, wanted {view.action_size}")
+            raise ValueError(f"policy: gives actions of {size}, expected {view.action_size}")
         self._acting.reset(view)
 
-    def act(self, observations: Rows) -> Floats:
+    def act(self, observations: Floats32) -> Floats:
         """Actions (worlds, robots, size)."""
         rows = observations.reshape(-1, observations.shape[-1])
         if self._normal is not None:
@@ -101,6 +101,6 @@ def kind_of(path: Path) -> str:
         with zipfile.ZipFile(path) as file:
             keys = json.loads(file.read("data")).keys()
     except (KeyError, ValueError, zipfile.BadZipFile) as error:
-        told = f"policy: {path}, wanted a model that Stable-Baselines3 saved (.zip)"
+        told = f"policy: got {path}, expected a model that Stable-Baselines3 saved (.zip)"
         raise ValueError(told) from error
     return next((name for key, name in KEYS.items() if key in keys), "A2C")

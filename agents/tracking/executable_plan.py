@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.agents.tracking.waypoint_tracking import way_points as led
+from fgenv.arrays import Floats
 from fgenv.planners import Plan, PlanningError, Problem, certify
 from fgenv.planners.methods import plan as plan_all
 from fgenv.robots import Car, MobileManipulator, Robot
@@ -20,14 +21,12 @@ from fgenv.robots.inverse_drive import changes
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.schema import RobotSpec
 
-Floats = NDArray[np.float64]
-
 TRIES = 8  # seeds
-INSIDE = 1e-9  # metres, for rounding
+INSIDE = 1e-9  # meters, for rounding
 
 
 def slack(robot: Robot) -> float:
-    """Metres that a robot which does as it is told may be off its course.
+    """Meters that a robot which does as it is told may be off its course.
 
     A car goes on arcs, its plan on their chords.
     """
@@ -35,7 +34,7 @@ def slack(robot: Robot) -> float:
 
 
 def late(robot: Robot) -> float:
-    """Metres that it is off its course by where it is held up; a car cannot go sideways to it."""
+    """Meters that it is off its course by where it is held up; a car cannot go sideways to it."""
     return 0.1 if is_car(robot) else 5e-4
 
 

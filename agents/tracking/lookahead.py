@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE
 from fgenv.robots import Robot
-
-Floats = NDArray[np.float64]
 
 
 def free_steps(

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.agents.tracking.executable_plan import Course
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from fgenv.arrays import Flags, Floats
 
 HALVINGS = 7  # of how much a clock changes its rate at once
-NEARER, PATIENCE = 1e-4, 3  # metres, steps: who comes no nearer for so long does not
-BESIDE = 0.2  # metres: who comes no nearer than that goes on beside its course
+NEARER, PATIENCE = 1e-4, 3  # meters, steps: who comes no nearer for so long does not
+BESIDE = 0.2  # meters: who comes no nearer than that goes on beside its course
 
 
 @dataclass
@@ -59,7 +57,7 @@ class Run:
 
 def rates(run: Run, waits: bool) -> Sequence[float]:
     """How far the clock may go on in a step, best first: to a whole step where it is between."""
-    wanted = 0.0 if waits else 1.0
-    order = [run.rate + (wanted - run.rate) * 0.5**k for k in range(HALVINGS)]
+    expected = 0.0 if waits else 1.0
+    order = [run.rate + (expected - run.rate) * 0.5**k for k in range(HALVINGS)]
     whole = int(run.clock) + 1 - run.clock
     return [*([] if waits or whole == 1.0 else [whole]), *order, run.rate]

@@ -6,13 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.robots import Robot
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.schema import Body, RobotSpec
-
-Floats = NDArray[np.float64]
 
 
 def from_here(

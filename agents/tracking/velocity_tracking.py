@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from fgenv import _core
+from fgenv.arrays import Floats, Floats32
 from fgenv.envs import View
-from fgenv.envs.simulator import Floats, Rows
 from fgenv.robots import Car, Drive, Holonomic, MobileManipulator, Robot
 
 OFF_COURSE = 1.2  # rad: farther off, a differential drive turns on the spot
@@ -39,7 +39,7 @@ def followed(robot: Robot, yaw: Floats, v: Floats, dt: float) -> Floats:
     )
 
 
-def targets(view: View, observations: Rows) -> Floats:
+def targets(view: View, observations: Floats32) -> Floats:
     """Where robots go next, (worlds, robots, nq): planar ones to their path hints, others to goals.
 
     Planar ones look where they go, until it is time to turn as the goal wants: what they see and

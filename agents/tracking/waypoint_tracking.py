@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Flags, Floats
 from fgenv.robots import (
     Action,
     Car,
@@ -17,9 +17,6 @@ from fgenv.robots import (
     Robot,
 )
 from fgenv.robots.inverse_drive import actions_between
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 STILL = 1e-9  # m/s: none
 SLACK = 1e-6  # of a limit

@@ -24,7 +24,7 @@ def exported(
     about: dict[str, Any],
     base: BaseAction,
 ) -> PolicyFile:
-    """The network that gives the best action, and the normalisation of what it sees.
+    """The network that gives the best action, and the normalization of what it sees.
 
     Args:
         model: PPO or A2C with an `MlpPolicy`, of tanh or relu layers.
@@ -41,7 +41,7 @@ def exported(
     kinds = {type(module) for module in inner if not isinstance(module, torch.nn.Linear)}
     if len(kinds) > 1 or not kinds <= NAMES.keys() or not isinstance(last, torch.nn.Linear):
         told = ", ".join(sorted(kind.__name__ for kind in kinds))
-        raise ValueError(f"model: layers of {told}, wanted Tanh or ReLU throughout")
+        raise ValueError(f"model: layers of {told}, expected Tanh or ReLU throughout")
     layers = tuple((numbers(module.weight).T, numbers(module.bias)) for module in (*linear, last))
     size = simulator.observation_size
     mean, std, clip = np.zeros(size), np.ones(size), 1e6

@@ -32,7 +32,9 @@ class MixedVecEnv(VecEnv):
         for part in self.parts:
             here, there = part.observation_space.shape, first.observation_space.shape
             if here != there or part.action_space != first.action_space:
-                raise ValueError(f"parts: observe {here} and {there} numbers, wanted alike robots")
+                raise ValueError(
+                    f"parts: observe {here} and {there} numbers, expected alike robots"
+                )
         shape = first.observation_space.shape
         self._ends = np.cumsum([part.num_envs for part in self.parts])
         space = Box(-np.inf, np.inf, shape, np.float32)

@@ -47,7 +47,7 @@ class Recipe:
         max_steps: of an episode while it learns.
         actions: `drive` or `way_points`, see `Simulator`. Way points suit drives that cannot go
             sideways: who is to go there turns, then drives.
-        near: metres from the goal at which `goto` takes over; 0: it never does.
+        near: meters from the goal at which `goto` takes over; 0: it never does.
         residual, orca: what a network's output counts beside that of `goto`, see
             `BaseAction`; 0: alone.
         steps: of robots, in all.
@@ -108,15 +108,15 @@ def circles(*counts: int) -> tuple[Given, ...]:
 
 PATIENT = 0.997  # discount: who waits for 3 s at 0.99 loses a quarter of all that comes after
 PAID = Reward({"progress": 1.0, "arrival": 5.0, "collision": -1.0, "time": -0.03})
-CROWD = Observation(lidar=False, neighbours=6, pad=True)
-LED = replace(GUIDED, neighbours=6, neighbour_range=3.0, intent=True)
+CROWD = Observation(lidar=False, neighbors=6, pad=True)
+LED = replace(GUIDED, neighbors=6, neighbor_range=3.0, intent=True)
 SEEING = Observation(rays=16, lidar_range=4.0, pad=True)
 
 CIRCLES = tuple(some(n=n, jitter=j) for n in (4, 8, 12, 20) for j in (0.0, 0.3))
 LONG = tuple(some(n=n, jitter=0.3) for n in (4, 6, 8))
 FEW = tuple(some(n=n) for n in (2, 4, 6, 8))
 DISCS = Recipe(  # it learns to wait where collisions are dear and circles wide
-    replace(CROWD, neighbours=3),
+    replace(CROWD, neighbors=3),
     PAID,
     (
         Stage(0.3, collision=-0.5, response="pass", mix=LONG),
@@ -163,7 +163,7 @@ CLUTTER = Recipe(  # over ORCA few meet, so that meeting is dear from the first 
 )
 HALL = replace(
     CLUTTER,
-    observation=replace(LED, neighbours=4, priority=True),
+    observation=replace(LED, neighbors=4, priority=True),
     stages=(Stage(1.0, collision=-5.0, mix=FEW),),
     residual=0.7,
     steps=600_000,
@@ -171,8 +171,8 @@ HALL = replace(
 JUNCTION = Recipe(  # who is to wait: noise that is held tries that
     replace(
         LED,
-        neighbours=3,
-        neighbour_range=8.0,
+        neighbors=3,
+        neighbor_range=8.0,
         rays=24,
         lidar_range=6.0,
         look_ahead=1.5,
@@ -195,7 +195,7 @@ JUNCTION = Recipe(  # who is to wait: noise that is held tries that
     steps=8_000_000,
 )
 WOOD = Recipe(  # its own lidar looks up and down: tips of trees are below who flies over them
-    Observation(neighbours=4, neighbour_range=5.0, intent=True, pad=True),
+    Observation(neighbors=4, neighbor_range=5.0, intent=True, pad=True),
     SLOW,
     (Stage(1.0, collision=-10.0, response="pass", mix=FEW[1:]),),
     cases=100,

@@ -3,7 +3,7 @@
 Needs the extra `agents`. In its folder there are, after each evaluation and at the end:
 
     policy.npz     the policy that did best in the evaluations so far: `--policy mlp:FILE`
-    model.zip      the model of Stable-Baselines3 as it is now, model.pkl what it normalises by,
+    model.zip      the model of Stable-Baselines3 as it is now, model.pkl what it normalizes by,
                    model.json what it observes: `--policy sb3:FILE`
     training.json  settings, and how far it is
     evaluations.csv, log/  what it did: the evaluations; the losses, for TensorBoard too
@@ -47,7 +47,7 @@ HEAD = "steps,success,robot_success,collision,seconds\n"
 
 
 @dataclass(frozen=True)
-class Wanted:
+class TrainingConfig:
     """What is to be trained.
 
     Attributes:
@@ -94,9 +94,9 @@ class Training:
         ValueError: nothing to resume, or other settings there.
     """
 
-    def __init__(self, wanted: Wanted, folder: Path, *, resume: bool = False) -> None:
-        self.wanted, self.folder = wanted, folder
-        self.steps, self.next, self.checked = 0, wanted.every, 0
+    def __init__(self, config: TrainingConfig, folder: Path, *, resume: bool = False) -> None:
+        self.config, self.folder = config, folder
+        self.steps, self.next, self.checked = 0, config.every, 0
         self.best: Check | None = None
         self.model: Any = None
         self.normal: Any = None
@@ -113,10 +113,10 @@ class Training:
     @property
     def settings(self) -> dict[str, Any]:
         """What has to be the same to go on."""
-        recipe = asdict(replace(self.wanted.recipe, stages=()))
-        recipe["reward"] = dict(self.wanted.recipe.reward.weights)
-        given = {"scenario": self.wanted.scenario, "overrides": self.wanted.overrides}
-        return {**given, "seed": self.wanted.seed, "recipe": recipe}
+        recipe = asdict(replace(self.config.recipe, stages=()))
+        recipe["reward"] = dict(self.config.recipe.reward.weights)
+        given = {"scenario": self.config.scenario, "overrides": self.config.overrides}
+        return {**given, "seed": self.config.seed, "recipe": recipe}
 
     def run(self, progress: Callable[[int, Check | None], object] | None = None) -> PolicyFile:
         """Learn all stages.
@@ -125,10 +125,10 @@ class Training:
             progress: called with the steps so far and, after an evaluation, what it told.
         """
         end = 0.0
-        for number, stage in enumerate(self.wanted.recipe.stages):
+        for number, stage in enumerate(self.config.recipe.stages):
             end += stage.share
-            last = number == len(self.wanted.recipe.stages) - 1
-            target = self.wanted.steps if last else round(end * self.wanted.steps)
+            last = number == len(self.config.recipe.stages) - 1
+            target = self.config.steps if last else round(end * self.config.steps)
             if self.steps >= target:
                 continue
             self._begin(number, stage)
@@ -143,8 +143,8 @@ class Training:
 
     def check(self, progress: Callable[[int, Check | None], object] | None = None) -> Check:
         """Evaluate, and write what there is; the policy where it is better than before."""
-        self.next, self.checked = self.steps + self.wanted.every, self.steps
-        file, most = self.export(), self.wanted.recipe.max_steps
+        self.next, self.checked = self.steps + self.config.every, self.steps
+        file, most = self.export(), self.config.recipe.max_steps
         found = checked(Trained(file), self._cases, self.steps, most)
         if self.best is None or found.rank > self.best.rank:
             self.best = found
@@ -159,12 +159,12 @@ class Training:
 
     def export(self) -> PolicyFile:
         """The policy as it is."""
-        wanted = self.wanted
+        config = self.config
         about = {
-            "name": wanted.scenario,
-            "command": wanted.command,
-            "seed": wanted.seed,
-            "scenario": {"name": wanted.scenario, **wanted.overrides},
+            "name": config.scenario,
+            "command": config.command,
+            "seed": config.seed,
+            "scenario": {"name": config.scenario, **config.overrides},
             "steps": self.steps,
         }
         envs = self.normal.venv.parts[0]
@@ -190,20 +190,20 @@ class Training:
         state = json.loads(path.read_text(encoding="utf-8"))
         for name, value in json.loads(json.dumps(self.settings, default=list)).items():
             if state.get(name) != value:
-                told = f"--resume: {name} was {state.get(name)}, wanted the same again"
+                told = f"--resume: {name} was {state.get(name)}, expected the same again"
                 raise ValueError(f"{told}; or leave --resume out")
         self.steps = self.checked = state["steps"]
-        self.next = self.steps + self.wanted.every
+        self.next = self.steps + self.config.every
         self.best = state["best"] and Check(**state["best"])
 
     def _given(self, stage: Stage) -> list[dict[str, Any]]:
         """Overrides of the scenario in each part of a stage; those that are the same once."""
-        every = [{**stage.given, **own, **self.wanted.overrides} for own in stage.mix]
+        every = [{**stage.given, **own, **self.config.overrides} for own in stage.mix]
         return [given for k, given in enumerate(every) if given not in every[:k]]
 
     def _check_cases(self) -> list[FrozenSet]:
         """Cases of the last stage that it does not learn from; none of a file."""
-        name, parts = self.wanted.scenario, self._given(self.wanted.recipe.stages[-1])
+        name, parts = self.config.scenario, self._given(self.config.recipe.stages[-1])
         if not built_in(name):
             return []
         many = -(-CHECKED // len(parts))
@@ -215,18 +215,18 @@ class Training:
         if self.normal is None and self.steps > 0:
             self.normal = VecNormalize.load(str(self.folder / "model.pkl"), envs)
         elif self.normal is None:
-            self.normal = VecNormalize(envs, gamma=self.wanted.recipe.gamma)
+            self.normal = VecNormalize(envs, gamma=self.config.recipe.gamma)
         else:
             self.normal.save(str(self.folder / "model.pkl"))
             self.normal = VecNormalize.load(str(self.folder / "model.pkl"), envs)
-        seed = self.wanted.seed + 1000 * number + self.steps
+        seed = self.config.seed + 1000 * number + self.steps
         if self.model is None and self.steps == 0:
-            self.model = model_of(self.wanted.recipe, self.normal, self.wanted.seed, MovingRollouts)
+            self.model = model_of(self.config.recipe, self.normal, self.config.seed, MovingRollouts)
         else:
             if self.model is not None:
                 self._save_model()
             self.model = PPO.load(self.folder / "model.zip", env=self.normal, device="cpu")
-            self.model.batch_size = batch_of(self.wanted.recipe, self.normal.num_envs)
+            self.model.batch_size = batch_of(self.config.recipe, self.normal.num_envs)
             set_random_seed(seed)
         self.model.lr_schedule = self._rate
         self.model.rollout_buffer.envs = envs
@@ -240,20 +240,20 @@ class Training:
 
     def _rate(self, _: float) -> float:
         """The learning rate now: it may fall to 0 at the end of all stages."""
-        recipe = self.wanted.recipe
-        left = 1.0 - self.steps / self.wanted.steps if recipe.anneal else 1.0
+        recipe = self.config.recipe
+        left = 1.0 - self.steps / self.config.steps if recipe.anneal else 1.0
         return recipe.learning_rate * max(0.0, left)
 
     def _envs(self, number: int, stage: Stage) -> MixedVecEnv:
-        seed = LEARN + 100_000 * self.wanted.seed + 10_000 * number
+        seed = LEARN + 100_000 * self.config.seed + 10_000 * number
         parts = self._given(stage)
-        rows = self.wanted.recipe.rows // len(parts)
+        rows = self.config.recipe.rows // len(parts)
         return MixedVecEnv([self._part(stage, given, rows, seed) for given in parts])
 
     def _part(self, stage: Stage, given: dict[str, Any], rows: int, seed: int) -> HomingVecEnv:
         """About so many rows of a scenario."""
-        source: Any = self.wanted.scenario
-        recipe = self.wanted.recipe
+        source: Any = self.config.scenario
+        recipe = self.config.recipe
         if built_in(source):
             source = frozen(source, cases=recipe.cases, seed=seed, **given)
         else:

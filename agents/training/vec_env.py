@@ -82,7 +82,7 @@ class FleetVecEnv(VecEnv):
             scenario = Simulator(scenario, worlds, autoreset=False, **options)
         self.simulator = scenario
         if self.simulator.autoreset:
-            raise ValueError("simulator: autoreset=True, wanted False: the rows tell of the end")
+            raise ValueError("simulator: autoreset=True, expected False: the rows tell of the end")
         observation, action = shared_spaces(self.simulator)
         self.render_mode, self.screen = render_mode, Screen(self.simulator, render_mode)
         self._seed: int | None = None
@@ -122,9 +122,9 @@ class FleetVecEnv(VecEnv):
             ValueError: wrong shape, or a number that is not finite. Nothing has changed then.
         """
         simulator, actions = self.simulator, np.asarray(self._actions)
-        wanted = (self.num_envs, simulator.action_size)
-        if actions.shape != wanted:
-            raise ValueError(f"actions: shape {actions.shape}, wanted {wanted}, (rows, action)")
+        expected = (self.num_envs, simulator.action_size)
+        if actions.shape != expected:
+            raise ValueError(f"actions: shape {actions.shape}, expected {expected}, (rows, action)")
         shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
         done = simulator.step(actions.reshape(shape))
         over, rows = done.terminated | done.truncated, done.observations
@@ -209,8 +209,8 @@ def shared_spaces(simulator: Simulator) -> tuple[Any, Any]:
         if seen[i] != seen[0] or done[i] != done[0]:
             first, other = simulator.names[0], simulator.names[i]
             raise ValueError(
-                f"scenario: {first!r} and {other!r} observe or act differently, wanted alike robots"
-                " for one policy; else use fgenv.parallel_env, or one learner of"
+                f"scenario: {first!r} and {other!r} observe or act differently; one policy needs"
+                " robots of one kind, else use fgenv.parallel_env, or one learner of"
                 " gymnasium.make_vec"
             )
     return seen[0], done[0]

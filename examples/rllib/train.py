@@ -23,7 +23,7 @@ class Fleet(MultiAgentEnv):  # type: ignore[misc]
 
     def __init__(self, config: dict[str, Any]) -> None:
         super().__init__()
-        seen = Observation(lidar=False, neighbours=3)
+        seen = Observation(lidar=False, neighbors=3)
         self.env = fgenv.parallel_env("swap", observation=seen, reward=Reward(PAID), **config)
         self.agents = self.possible_agents = self.env.possible_agents
         self.observation_spaces = {a: self.env.observation_space(a) for a in self.agents}

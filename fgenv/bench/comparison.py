@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.poses import Poses, random_poses, random_rotations
+from fgenv.bench.common.poses import random_poses, random_rotations
 from fgenv.bench.common.timing import each_call
 from fgenv.bench.common.truth import Truth
 from fgenv.bench.pairs.catalog import GYM, ROBOTS, TOOLBOX, Pair, Source

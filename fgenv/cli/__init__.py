@@ -73,8 +73,8 @@ app = typer.Typer(
 )
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(expected: bool) -> None:
+    if expected:
         print(f"fgenv {__version__}")
         raise typer.Exit
 

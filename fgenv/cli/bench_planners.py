@@ -28,7 +28,7 @@ def planners(
         float | None,
         typer.Option(
             "--resolution",
-            help="Metres a step of discrete checks.",
+            help="Meters a step of discrete checks.",
             show_default="1 % of the room",
         ),
     ] = None,
@@ -68,7 +68,7 @@ def planners(
 
     from fgenv.bench.common.ratios import of_problems
     from fgenv.bench.pairs.run import machine
-    from fgenv.bench.planners.run import Wanted, bench_planners
+    from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners
     from fgenv.view.figures import bars
     from fgenv.view.figures.canvas import checked
 
@@ -86,17 +86,17 @@ def planners(
         given["mbm"] = mbm or 0
     if problems:
         given["problems"] = listed(problems)
-    wanted = Wanted(**given)
-    wanted.check()
+    config = PlannerBenchConfig(**given)
+    config.check()
     about = machine()
-    packages = ("fgenv", "ompl", *wanted.peers, *(("pin",) if wanted.arms else ()))
+    packages = ("fgenv", "ompl", *config.peers, *(("pin",) if config.arms else ()))
     versions = {name: version(name) for name in packages}
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
     console.print(f"Python {about['python']}, NumPy {about['numpy']}")
     console.print(", ".join(f"{name} {number}" for name, number in versions.items()))
     done: dict[str, list[dict[str, Any]]] = {}
     with console.status("building") as status:
-        for kind, record in bench_planners(wanted, status.update):
+        for kind, record in bench_planners(config, status.update):
             if done and kind not in done:
                 show(console, list(done)[-1], done)
             done.setdefault(kind, []).append(record)
@@ -104,7 +104,7 @@ def planners(
     if plot is not None:
         bars.draw(of_problems(done["problems"]), "Time to the first solution", plot)
     if as_json:
-        document = {"machine": about, "versions": versions, "settings": asdict(wanted), **done}
+        document = {"machine": about, "versions": versions, "settings": asdict(config), **done}
         typer.echo(json.dumps(document, indent=1))
 
 

@@ -53,14 +53,14 @@ def policies(
             table.add_column(title, justify="left" if left else "right", no_wrap=True)
         for r in done:
             if r["policy"] == done[0]["policy"]:
-                table.add_row(r["set"], f"wanted {r['goal']:.2f}")
+                table.add_row(r["set"], f"expected {r['goal']:.2f}")
             table.add_row(*row(r))
         console.print(table)
         console.print("success: of episodes, with its 95 % interval; collide, late: of robots")
         console.print("* seconds more than straight, where all policies of the set succeed")
         if plot is not None and done:
             found: dict[str, dict[str, Any]] = {}
-            for r in done:  # all that come along in one colour, and all that are filtered
+            for r in done:  # all that come along in one color, and all that are filtered
                 name = r["policy"]
                 kind = name if name.startswith("orca") else name.rpartition(":")[0]
                 found.setdefault(r["set"], {})[kind] = r["success"]

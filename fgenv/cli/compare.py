@@ -51,7 +51,7 @@ def compare(
     from rich.console import Console
 
     if not tolerance > 0.0:
-        raise ValueError(f"tolerance is {tolerance}, wanted a share of the size above 0")
+        raise ValueError(f"tolerance is {tolerance}, expected a share of the size above 0")
     from fgenv.bench.comparison import PAIRS, compare_pairs, over_all
 
     console = Console(stderr=as_json, highlight=False)
@@ -162,10 +162,10 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
 
     figure = Figure(figsize=(10.0, 3.8), layout="constrained")
     axes = figure.subplots()
-    for offset, name, colour in ((-0.2, "precision", "#31688e"), (0.2, "recall", "#f08c2e")):
+    for offset, name, color in ((-0.2, "precision", "#31688e"), (0.2, "recall", "#f08c2e")):
         heights = [getattr(row, name) or 0.0 for row in rows]
         places = [k + offset for k in range(len(rows))]
-        bars = axes.bar(places, heights, 0.38, label=name, color=colour)
+        bars = axes.bar(places, heights, 0.38, label=name, color=color)
         axes.bar_label(bars, [_share(getattr(row, name)) for row in rows], fontsize=7, padding=2)
     axes.set_xticks(range(len(rows)), [row.method for row in rows])
     axes.set_ylim(0.0, 1.12)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class EpisodeOptions:
     """What the command line asks for."""
 
     scenario: str
@@ -35,7 +35,7 @@ class Wanted:
     fps: float | None
 
 
-def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
+def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool) -> None:
     """Run it, and say how it went.
 
     Raises:
@@ -48,19 +48,19 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
     from fgenv.metrics import Results
 
     console = Console(stderr=as_json, highlight=False)
-    targets(wanted)
-    policy = policy_of(wanted.policy, wanted.seed)
+    targets(options)
+    policy = policy_of(options.policy, options.seed)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        simulator = simulator_of(context, wanted, policy)
+        simulator = simulator_of(context, options, policy)
     strictly(policy)
     began = time.perf_counter()
-    record, interrupted = episode(simulator, policy, wanted, console)
+    record, interrupted = episode(simulator, policy, options, console)
     seconds = time.perf_counter() - began
     written = []
-    if wanted.record is not None:
-        record.save(wanted.record)
-        written.append(str(wanted.record))
+    if options.record is not None:
+        record.save(options.record)
+        written.append(str(options.record))
     results = Results.of(record)
     followed = following(policy)
     notes = list(dict.fromkeys(str(warning.message) for warning in caught))
@@ -70,9 +70,9 @@ def run_scenario(context: typer.Context, wanted: Wanted, as_json: bool) -> None:
             error, waited = followed["tracking_error"], followed["waited"]
             again = f", planned anew {followed['replans']} times" if "replans" in followed else ""
             console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s{again}")
-    if wanted.movie is not None and not interrupted:
-        draw(record, wanted.movie, wanted.fps, console)
-        written.append(str(wanted.movie))
+    if options.movie is not None and not interrupted:
+        draw(record, options.movie, options.fps, console)
+        written.append(str(options.movie))
     if as_json:
         said = {**facts(record, results, seconds, notes, written), **followed}
         typer.echo(json.dumps(said, indent=1))
@@ -90,22 +90,22 @@ def strictly(policy: Any) -> None:
 
 
 def following(policy: Any) -> dict[str, Any]:
-    """How a planning policy's plan was followed: metres, seconds; nothing of others."""
+    """How a planning policy's plan was followed: meters, seconds; nothing of others."""
     names = ("tracking_error", "waited", "replans")
     return {name: getattr(policy, name) for name in names if hasattr(policy, name)}
 
 
-def targets(wanted: Wanted) -> None:
+def targets(options: EpisodeOptions) -> None:
     """What would only be told after the run is told now: files that cannot be written."""
     from fgenv.view.figures.movie import frame_seconds
 
-    if wanted.record is not None and wanted.record.suffix != ".npz":
-        raise ValueError(f"--record: {wanted.record}, wanted a name that ends in .npz")
-    if wanted.movie is not None:
-        frame_seconds(wanted.movie, wanted.fps or MOST_FPS)
-    elif wanted.fps is not None:
-        raise ValueError("--fps: is of a movie, wanted with --movie")
-    for path in (wanted.record, wanted.movie):
+    if options.record is not None and options.record.suffix != ".npz":
+        raise ValueError(f"--record: got {options.record}, expected a name that ends in .npz")
+    if options.movie is not None:
+        frame_seconds(options.movie, options.fps or MOST_FPS)
+    elif options.fps is not None:
+        raise ValueError("--fps: is of a movie, expected with --movie")
+    for path in (options.record, options.movie):
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
 
@@ -117,20 +117,20 @@ def is_planning_error(error: RuntimeError) -> bool:
     return isinstance(error, PlanningError)
 
 
-def simulator_of(context: typer.Context, wanted: Wanted, policy: Any) -> Simulator:
+def simulator_of(context: typer.Context, options: EpisodeOptions, policy: Any) -> Simulator:
     """The simulator, with one world; robots observe and act as the policy wants it."""
     from fgenv.envs import Simulator
     from fgenv.scenarios.library import ENTRIES
 
-    name, overrides = wanted.scenario, dict(wanted.overrides)
+    name, overrides = options.scenario, dict(options.overrides)
     of_file = is_file(name) or Path(name).suffix == ".npz"
     if not of_file and name not in ENTRIES:
         from fgenv.scenarios.errors import near
 
         told = f"{name!r} is no built-in scenario; {near(name, ENTRIES)} (a file ends in .yaml)"
         raise typer.BadParameter(told, ctx=context, param_hint="SCENARIO")
-    if not of_file or (wanted.seed != 0 and Path(name).suffix != ".npz"):
-        overrides.setdefault("seed", wanted.seed)
+    if not of_file or (options.seed != 0 and Path(name).suffix != ".npz"):
+        overrides.setdefault("seed", options.seed)
     for key in ("observation", "actions"):
         if getattr(policy, key, None) is not None:
             overrides.setdefault(key, getattr(policy, key))
@@ -138,21 +138,21 @@ def simulator_of(context: typer.Context, wanted: Wanted, policy: Any) -> Simulat
 
 
 def episode(
-    simulator: Simulator, policy: Any, wanted: Wanted, console: Console
+    simulator: Simulator, policy: Any, options: EpisodeOptions, console: Console
 ) -> tuple[Record, bool]:
     """The record, and whether it was interrupted."""
     from fgenv.agents import run_episode
     from fgenv.envs import Recorder
 
-    recorder = Recorder(wanted.policy)
-    most = min(wanted.steps or simulator.horizon, simulator.horizon)
+    recorder = Recorder(options.policy)
+    most = min(options.steps or simulator.horizon, simulator.horizon)
     with progress(console) as bar:
-        task = bar.add_task(f"{simulator.scenario.name}, {wanted.policy}", total=most)
+        task = bar.add_task(f"{simulator.scenario.name}, {options.policy}", total=most)
         try:
             record = run_episode(
                 simulator,
                 policy,
-                seed=wanted.seed,
+                seed=options.seed,
                 steps=most,
                 recorder=recorder,
                 progress=lambda done: bar.update(task, completed=done),

@@ -64,7 +64,7 @@ def number(x: float | None, digits: int, unit: str = "") -> str:
 def facts(
     record: Record, results: Results, seconds: float, notes: Sequence[str], written: Sequence[str]
 ) -> dict[str, Any]:
-    """The same for JSON: metres, radians, seconds of simulated time.
+    """The same for JSON: meters, radians, seconds of simulated time.
 
     Equal for equal arguments, but for `wall_seconds`.
     """

@@ -35,7 +35,7 @@ def evaluate(
         ),
     ] = None,
     n: Annotated[int | None, typer.Option("--n", min=1, help="Robots.")] = None,
-    size: Annotated[float | None, typer.Option("--size", help="Metres; see the scenario.")] = None,
+    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),

@@ -29,7 +29,7 @@ def run_published(
     from fgenv.scenarios import three_tanks
 
     if not 0 < step <= 1:
-        raise ValueError(f"--step: got {step}, want metres, above 0 and not above 1")
+        raise ValueError(f"--step: got {step}, want meters, above 0 and not above 1")
     if not 0 < scale < float("inf"):
         raise ValueError(f"--scale: got {scale}, want a factor above 0")
     account = Account(Console(stderr=as_json, highlight=False))

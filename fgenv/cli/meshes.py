@@ -23,8 +23,8 @@ def scenario_of_meshes(
     Args:
         robot, world: mesh files, z up.
         start, goal: "x,y,yaw" of a robot that stays on the floor, or "x,y,z,qx,qy,qz,qw"
-            (metres, radians, a unit quaternion).
-        scale: factor of both meshes to metres.
+            (meters, radians, a unit quaternion).
+        scale: factor of both meshes to meters.
 
     Raises:
         ValueError: numbers that are none, or not that many.
@@ -36,7 +36,7 @@ def scenario_of_meshes(
     if len(ends[0]) != len(ends[1]):
         raise ValueError(f"--goal: {len(ends[1])} numbers, --start has {len(ends[0])}")
     if not scale > 0:
-        raise ValueError(f"--scale: {scale}, wanted a factor over 0")
+        raise ValueError(f"--scale: got {scale}, expected a factor over 0")
     files = {"robot": robot} | ({} if world is None else {"world": world})
     return Scenario.model_validate(
         {
@@ -59,13 +59,13 @@ def numbers(option: str, text: str) -> tuple[float, ...]:
     try:
         found = [float(word) for word in text.replace(",", " ").split()]
     except ValueError:
-        raise ValueError(f"{option}: {text!r}, wanted numbers with commas between") from None
+        raise ValueError(f"{option}: got {text!r}, expected numbers with commas between") from None
     if len(found) not in SIZES or not np.isfinite(found).all():
-        raise ValueError(f"{option}: {text!r}, wanted x,y,yaw or x,y,z,qx,qy,qz,qw")
+        raise ValueError(f"{option}: got {text!r}, expected x,y,yaw or x,y,z,qx,qy,qz,qw")
     if len(found) == 7:
         length = float(np.linalg.norm(found[3:]))
         if abs(length - 1) > 1e-3:
-            raise ValueError(f"{option}: quaternion of length {length:.4g}, wanted 1")
+            raise ValueError(f"{option}: quaternion of length {length:.4g}, expected 1")
         found[3:] = [x / length for x in found[3:]]
     return tuple(found)
 

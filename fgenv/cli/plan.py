@@ -61,14 +61,14 @@ def plan(
         str, typer.Option("--planner", help="Of OMPL: RRTConnect, PRM, BITstar...")
     ] = "RRTConnect",
     n: Annotated[int | None, typer.Option("--n", min=1, help="Robots.")] = None,
-    size: Annotated[float | None, typer.Option("--size", help="Metres; see the scenario.")] = None,
+    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
     ] = None,
     time_limit: Annotated[float, typer.Option("--time-limit", help="Seconds.")] = 10.0,
     margin: Annotated[
-        float, typer.Option("--margin", help="Metres that robots keep from everything.")
+        float, typer.Option("--margin", help="Meters that robots keep from everything.")
     ] = 0.0,
     objective: Annotated[
         str | None,
@@ -93,7 +93,7 @@ def plan(
         str | None, typer.Option("--goal", help="The same.", rich_help_panel=OWN)
     ] = None,
     scale: Annotated[
-        float, typer.Option("--scale", help="Factor of meshes to metres.", rich_help_panel=OWN)
+        float, typer.Option("--scale", help="Factor of meshes to meters.", rich_help_panel=OWN)
     ] = 1.0,
     seed: Seed = 0,
     as_json: Json = False,
@@ -101,7 +101,7 @@ def plan(
     """Plan all robots of a scenario to their goals, and prove the plan.
 
     In a step of the scenario every robot goes straight on; the motion of all
-    robots at once is proved free, with --margin metres to spare. --out keeps
+    robots at once is proved free, with --margin meters to spare. --out keeps
     the plan: fgenv verify proves it again, fgenv run SCENARIO --policy
     plan:FILE.npz drives it. Exit code 1 where there is no plan; stderr says why.
     Interrupted by Ctrl-C, the best by then is told and kept, if there is one.
@@ -111,18 +111,18 @@ def plan(
 
     if out is not None and (out.suffix != ".npz" or not out.parent.is_dir()):
         folder = f"; there is no folder {out.parent}, make it first"
-        wrong = ", wanted a name that ends in .npz" if out.suffix != ".npz" else folder
+        wrong = ", expected a name that ends in .npz" if out.suffix != ".npz" else folder
         raise ValueError(f"--out: {out}{wrong}")
     if objective is not None and objective not in OBJECTIVES:
-        raise ValueError(f"--objective: {objective!r}, wanted {', '.join(OBJECTIVES)}")
+        raise ValueError(f"--objective: got {objective!r}, expected {', '.join(OBJECTIVES)}")
     given_scenario = given(n, size, set or [])
     if mesh is None:
         if world or start or goal:
-            raise ValueError("--world, --start and --goal: wanted with --mesh")
+            raise ValueError("--world, --start and --goal: expected with --mesh")
         problem = scenario_of(context, scenario, given_scenario, seed)
     else:
         if scenario or given_scenario or start is None or goal is None:
-            raise ValueError("--mesh: wanted with --start and --goal, and without a scenario")
+            raise ValueError("--mesh: expected with --start and --goal, and without a scenario")
         from fgenv.cli.meshes import scenario_of_meshes
 
         problem = scenario_of_meshes(mesh, world, start, goal, scale)
@@ -149,7 +149,7 @@ def scenario_of(
     from fgenv.scenarios.library import ENTRIES
 
     if name is None:
-        raise typer.BadParameter("wanted one, or --mesh", ctx=context, param_hint="SCENARIO")
+        raise typer.BadParameter("expected one, or --mesh", ctx=context, param_hint="SCENARIO")
     of_file = is_file(name)
     if not of_file and name not in ENTRIES:
         told = f"{name!r} is no built-in scenario; {near(name, ENTRIES)} (a file ends in .yaml)"
@@ -237,7 +237,7 @@ def told(certificate: Any, dt: float) -> str:
 
 
 def facts(plan: Plan, written: list[str]) -> dict[str, Any]:
-    """The same for JSON: metres and seconds of the plan; `seconds` in `facts` are of the clock."""
+    """The same for JSON: meters and seconds of the plan; `seconds` in `facts` are of the clock."""
     names = [robot.name for robot in plan.scenario.robots]
     rows = zip(names, plan.arrivals, plan.lengths, strict=True)
     return {

@@ -72,7 +72,7 @@ def render(
     No display and no OpenGL are needed. top looks straight down, follow keeps
     to a robot, orbit goes around everything. Notes: trails show where robots
     have been for four seconds; collisions rings contacts and says who meets
-    whom; masks colours what bears the bit of a robot, by its motion of the next
+    whom; masks colors what bears the bit of a robot, by its motion of the next
     second, with a line from that robot.
     """
     from rich.console import Console
@@ -84,11 +84,11 @@ def render(
     from fgenv.view.figures.episode_frames import frames_of
     from fgenv.view.figures.movie import frame_seconds
 
-    wanted = targets(gif, mp4, png)
+    expected = targets(gif, mp4, png)
     if camera not in CAMERAS:
-        raise ValueError(f"--camera: {camera!r}, wanted {', '.join(CAMERAS)}")
+        raise ValueError(f"--camera: got {camera!r}, expected {', '.join(CAMERAS)}")
     if at is not None and png is None:
-        raise ValueError("--at: is of a picture, wanted with --png")
+        raise ValueError("--at: is of a picture, expected with --png")
     drawn = [] if notes == "none" else [note.strip() for note in notes.split(",")]
     check(drawn)
     width, height = pixels(size)
@@ -112,7 +112,7 @@ def render(
         Image.fromarray(frame).save(png, optimize=True)
     for path in (p for p in (gif, mp4) if p is not None):
         draw(episode, path, fps, Console(highlight=False), (width, height), look, speed)
-    for path in wanted:
+    for path in expected:
         typer.echo(f"written: {path}, {path.stat().st_size:,} bytes")
 
 
@@ -123,12 +123,12 @@ def targets(*files: Path | None) -> list[Path]:
         if path is None:
             continue
         if path.suffix != suffix:
-            raise ValueError(f"--{suffix[1:]}: {path}, wanted a name that ends in {suffix}")
+            raise ValueError(f"--{suffix[1:]}: got {path}, expected a name that ends in {suffix}")
         if not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
         found.append(path)
     if not found:
-        raise ValueError("nothing to write; wanted --gif, --mp4 or --png")
+        raise ValueError("nothing to write; expected --gif, --mp4 or --png")
     return found
 
 
@@ -136,9 +136,9 @@ def pixels(size: str) -> tuple[int, int]:
     """Width and height."""
     width, _, height = size.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise ValueError(f"--size: {size!r}, wanted WIDTHxHEIGHT, such as 640x480")
+        raise ValueError(f"--size: got {size!r}, expected WIDTHxHEIGHT, such as 640x480")
     if not all(SMALLEST <= int(n) <= LARGEST for n in (width, height)):
-        raise ValueError(f"--size: {size!r}, wanted {SMALLEST} to {LARGEST} pixels each")
+        raise ValueError(f"--size: got {size!r}, expected {SMALLEST} to {LARGEST} pixels each")
     return int(width), int(height)
 
 
@@ -148,7 +148,7 @@ def radians(degrees: float | None, option: str, most: float) -> float | None:
         return None
     least = 5.0 if option == "--elevation" else -most
     if not least <= degrees <= most:
-        raise ValueError(f"{option}: {degrees:g}, wanted {least:g} to {most:g} degrees")
+        raise ValueError(f"{option}: got {degrees:g}, expected {least:g} to {most:g} degrees")
     return math.radians(degrees)
 
 
@@ -157,5 +157,5 @@ def place(record: Record, name: str | None) -> int | None:
     if name is None:
         return None
     if name not in record.names:
-        raise ValueError(f"--robot: {name!r}, wanted one of {', '.join(record.names)}")
+        raise ValueError(f"--robot: got {name!r}, expected one of {', '.join(record.names)}")
     return record.names.index(name)

@@ -46,7 +46,7 @@ def replay(
     viser_module()
     path = record.with_suffix(".html") if html is None else html
     if path.suffix not in (".html", ".htm"):
-        raise ValueError(f"--html: {path}, wanted a name that ends in .html")
+        raise ValueError(f"--html: got {path}, expected a name that ends in .html")
     if not path.parent.is_dir():
         raise ValueError(f"--html: {path}: there is no folder {path.parent}; make it first")
     episode = load_episode(record)

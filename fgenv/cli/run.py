@@ -54,7 +54,7 @@ def run(
     ] = None,
     size: Annotated[
         float | None,
-        typer.Option("--size", help="Metres; see the scenario.", rich_help_panel=EPISODE),
+        typer.Option("--size", help="Meters; see the scenario.", rich_help_panel=EPISODE),
     ] = None,
     set: Annotated[
         list[str] | None,
@@ -102,7 +102,7 @@ def run(
         float,
         typer.Option(
             "--scale",
-            help="Factor of the mesh to metres; 0.001 for millimetres.",
+            help="Factor of the mesh to meters; 0.001 for millimeters.",
             rich_help_panel=EXPERIMENT,
         ),
     ] = 1.0,
@@ -110,7 +110,7 @@ def run(
         float,
         typer.Option(
             "--step",
-            help="Metres that the robot moves between two tests.",
+            help="Meters that the robot moves between two tests.",
             rich_help_panel=EXPERIMENT,
         ),
     ] = 0.01,
@@ -152,17 +152,17 @@ def run(
     1 if not; of an episode 0, however it ended, 1 where there is no plan.
     """
     if scenario == PUBLISHED and policy is None:
-        refuse(context, OF_AN_EPISODE, "wanted with --policy, such as --policy goto")
+        refuse(context, OF_AN_EPISODE, "expected with --policy, such as --policy goto")
         from fgenv.cli.experiment import run_published
 
         run_published(mesh, scale, step, out, pictures, seed, as_json)
         return
     refuse(context, OF_THE_EXPERIMENT, "is of fgenv run three_tanks, without --policy")
-    from fgenv.cli.episode import Wanted, run_scenario
+    from fgenv.cli.episode import EpisodeOptions, run_scenario
 
     overrides = given(n, size, set or [])
-    wanted = Wanted(scenario, policy or "goto", overrides, seed, steps, record, movie, fps)
-    run_scenario(context, wanted, as_json)
+    options = EpisodeOptions(scenario, policy or "goto", overrides, seed, steps, record, movie, fps)
+    run_scenario(context, options, as_json)
 
 
 def refuse(context: typer.Context, options: tuple[str, ...], why: str) -> None:

@@ -28,7 +28,7 @@ def scenarios(
     ] = None,
     n: Annotated[int | None, typer.Option("--n", min=1, help="Robots.")] = None,
     seed: Seed = 0,
-    size: Annotated[float | None, typer.Option("--size", help="Metres; see the scenario.")] = None,
+    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
@@ -84,17 +84,19 @@ def given(n: int | None, size: float | None, settings: list[str]) -> dict[str, A
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:
-            raise ValueError(f"--set: {setting!r}, wanted KEY=VALUE, such as jitter=0.1")
+            raise ValueError(f"--set: got {setting!r}, expected KEY=VALUE, such as jitter=0.1")
         try:
             found[key.strip()] = yaml.safe_load(text)
         except yaml.YAMLError:
-            raise ValueError(f"--set: {setting!r}, wanted a number or a word as VALUE") from None
+            raise ValueError(
+                f"--set: got {setting!r}, expected a number or a word as VALUE"
+            ) from None
     return found
 
 
 def _no_target(*files: Path | None) -> None:
     if any(file is not None for file in files):
-        raise ValueError("wanted the NAME of a scenario to write; see fgenv scenarios")
+        raise ValueError("expected the NAME of a scenario to write; see fgenv scenarios")
 
 
 def _list(as_json: bool) -> None:
@@ -140,7 +142,7 @@ def _freeze(
     from fgenv.scenarios import frozen
 
     if path.suffix != ".npz":
-        raise ValueError(f"--freeze: {path}, wanted a name that ends in .npz")
+        raise ValueError(f"--freeze: got {path}, expected a name that ends in .npz")
     console = Console(stderr=True, highlight=False)
     with console.status("making cases") as status:
         made = frozen(

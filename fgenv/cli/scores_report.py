@@ -85,7 +85,7 @@ def shown(estimate: Estimate, digits: int) -> str:
 
 
 def facts(result: Evaluation, seed: int) -> dict[str, Any]:
-    """The same for JSON: metres, radians, seconds of simulated time; null: nothing to tell."""
+    """The same for JSON: meters, radians, seconds of simulated time; null: nothing to tell."""
     cases = result.cases
     scores = {
         name: {

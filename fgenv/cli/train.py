@@ -31,7 +31,7 @@ def train(
         int | None,
         typer.Option("--n", min=1, help="Robots.", show_default="as the recipe has it"),
     ] = None,
-    size: Annotated[float | None, typer.Option("--size", help="Metres; see the scenario.")] = None,
+    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
@@ -73,18 +73,18 @@ def train(
     from rich.console import Console
 
     if algo != "ppo":
-        raise ValueError(f"--algo: {algo!r}, wanted ppo")
+        raise ValueError(f"--algo: got {algo!r}, expected ppo")
     from fgenv.agents.training.recipes import recipe_of
-    from fgenv.agents.training.training import Training, Wanted
+    from fgenv.agents.training.training import Training, TrainingConfig
 
     console = Console(stderr=as_json, highlight=False)
     overrides = given(n, size, set or [])
     recipe = recipe_of(scenario, overrides)
     many = steps or recipe.steps
     told = command(scenario, overrides, many, every, seed)
-    wanted = Wanted(scenario, recipe, overrides, many, seed, told, every)
+    config = TrainingConfig(scenario, recipe, overrides, many, seed, told, every)
     folder = out or Path("out/train") / Path(scenario).stem
-    training, began = Training(wanted, folder, resume=resume), time.perf_counter()
+    training, began = Training(config, folder, resume=resume), time.perf_counter()
     interrupted = run(training, console)
     path = folder / "policy.npz"
     facts: dict[str, Any] = {
@@ -116,7 +116,7 @@ def run(training: Training, console: Console) -> bool:
     from fgenv.cli.movie import progress
 
     with progress(console) as bar:
-        task = bar.add_task("learning", total=training.wanted.steps, completed=training.steps)
+        task = bar.add_task("learning", total=training.config.steps, completed=training.steps)
 
         def tell(steps: int, check: Check | None) -> None:
             bar.update(task, completed=steps)

@@ -22,7 +22,7 @@ def verify(
     margin: Annotated[
         float | None,
         typer.Option(
-            "--margin", min=0.0, help="Metres to keep.", show_default="what the plan claims"
+            "--margin", min=0.0, help="Meters to keep.", show_default="what the plan claims"
         ),
     ] = None,
     as_json: Json = False,

@@ -33,7 +33,7 @@ def view(
         typer.Option("--policy", help="What acts, as in fgenv run.", autocompletion=policies),
     ] = "goto",
     n: Annotated[int | None, typer.Option("--n", min=1, help="Robots.")] = None,
-    size: Annotated[float | None, typer.Option("--size", help="Metres; see the scenario.")] = None,
+    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
@@ -61,14 +61,14 @@ def view(
     one robot to show these of. Ctrl-C ends it.
     """
     from fgenv.agents import policy_of
-    from fgenv.cli.episode import Wanted, simulator_of, strictly
+    from fgenv.cli.episode import EpisodeOptions, simulator_of, strictly
     from fgenv.view.web.live import Live
 
     acting = policy_of(policy, seed)
     strictly(acting)
     overrides = given(n, size, set or [])
-    wanted = Wanted(scenario, policy, overrides, seed, None, None, None, None)
-    simulator = simulator_of(context, wanted, acting)
+    options = EpisodeOptions(scenario, policy, overrides, seed, None, None, None, None)
+    simulator = simulator_of(context, options, acting)
     live = Live(simulator, port)
     typer.echo(f"{simulator.scenario.name}: live at {live.url} (Ctrl-C ends it)")
     if open_it and not webbrowser.open(live.url):

@@ -2,7 +2,7 @@
 
     >>> from fgenv.collision import Shape, collide
     >>> a, b = Shape.load("base.stl"), Shape.load("link.stl", scale=0.001)
-    >>> collide(a, Ta, b, Tb)          # poses (..., 4, 4), metres, broadcast
+    >>> collide(a, Ta, b, Tb)          # poses (..., 4, 4), meters, broadcast
 
 Method: Ma Li, Wang Qiang et al., "A collision detection method based on the feature graph of
 objects" (feature points, feature graph, masks), made exact: see README, "How it works".

@@ -16,7 +16,7 @@ DENSE_LIMIT = 20_000  # feature points; the dense matrix of more is over 400 MB
 
 
 class Settings(NamedTuple):
-    """A method with its thresholds: radians and metres."""
+    """A method with its thresholds: radians and meters."""
 
     method: str
     valley: float
@@ -34,23 +34,23 @@ def settings(
 
     Args:
         method: `exact`, `crease` or `loop`; with `tolerance` leave it out.
-        tolerance: metres; 0 is `exact`, more keeps the borders of patches no thicker than this.
+        tolerance: meters; 0 is `exact`, more keeps the borders of patches no thicker than this.
         angle: for `crease` and `loop`, radians: how far an edge bends from flat to be a feature
             (default 30 degrees), or the published pair (alpha_valley, alpha_ridge), an edge being
             a feature if its dihedral angle is below the first or above the second.
     """
     if method == "tolerance" and tolerance is None:
-        raise ValueError("tolerance: missing, wanted metres with method='tolerance'")
+        raise ValueError("tolerance: missing, expected meters with method='tolerance'")
     if method not in (*METHODS, "tolerance"):
-        raise ValueError(f"method: {method!r} is unknown, wanted one of {', '.join(METHODS)}")
+        raise ValueError(f"method: {method!r} is unknown, expected one of {', '.join(METHODS)}")
     if tolerance is not None:
         if method not in ("exact", "tolerance"):
             raise ValueError(f"tolerance: not used by method {method!r}, leave one of them out")
         if not (is_number(tolerance) and tolerance >= 0 and math.isfinite(tolerance)):
-            raise ValueError(f"tolerance: {tolerance!r}, wanted metres, 0 or more")
+            raise ValueError(f"tolerance: got {tolerance!r}, expected meters, 0 or more")
         method = "tolerance" if tolerance > 0 else "exact"
     if angle is not None and method not in ("crease", "loop"):
-        raise ValueError(f"angle: not used by method {method!r}, wanted with 'crease' or 'loop'")
+        raise ValueError(f"angle: not used by method {method!r}, expected with 'crease' or 'loop'")
     valley, ridge = _thresholds(math.pi / 6 if angle is None else angle)
     return Settings(method, valley, ridge, float(tolerance or 0.0))
 
@@ -68,11 +68,11 @@ def _thresholds(angle: Any) -> tuple[float, float]:
             valley, ridge = (float(x) for x in angle)
         except (TypeError, ValueError):
             raise ValueError(
-                f"angle: {angle!r}, wanted radians or a pair (alpha_valley, alpha_ridge)"
+                f"angle: got {angle!r}, expected radians or a pair (alpha_valley, alpha_ridge)"
             ) from None
     if not (0 <= valley <= math.pi <= ridge <= 2 * math.pi):
         raise ValueError(
-            f"angle: {angle!r}, wanted a bend from 0 to pi,"
+            f"angle: got {angle!r}, expected a bend from 0 to pi,"
             " or alpha_valley in [0, pi] and alpha_ridge in [pi, 2 pi]"
         )
     return valley, ridge
@@ -85,7 +85,7 @@ class FeatureGraph:
     by dihedral angle, `exact` all that are not flat, a tolerance the borders of patches.
 
     Args:
-        vertices: (n, 3) metres.
+        vertices: (n, 3) meters.
         faces: (m, 3) vertex indices.
         method, tolerance, angle: see `settings`.
 
@@ -95,7 +95,7 @@ class FeatureGraph:
         kinds: (m,) str: valley, ridge, border, patch or chord.
         adjacency: packed as published, one triangle only: uint8, `np.packbits` of the strict upper
             triangle of the symmetric n x n 0/1 matrix, row by row.
-        tolerance: metres: a contact that the graph misses is no deeper than this (the sum over both
+        tolerance: meters: a contact that the graph misses is no deeper than this (the sum over both
             shapes); 0 for `exact`, infinite where `crease` has no bound, None for `loop`.
     """
 

@@ -12,7 +12,7 @@ from .feature_graph import is_number
 
 
 def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (n, 3) in metres and faces (m, 3) of a mesh file.
+    """Vertices (n, 3) in meters and faces (m, 3) of a mesh file.
 
     trimesh turns no axis: a COLLADA or GLB file keeps its own up axis.
 
@@ -21,18 +21,18 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
         ValueError: empty, unknown format, unreadable, or without faces.
     """
     if not (is_number(scale) and math.isfinite(scale) and scale > 0):
-        raise ValueError(f"scale: {scale!r}, wanted a factor over 0")
+        raise ValueError(f"scale: got {scale!r}, expected a factor over 0")
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "does not exist"
-        raise FileNotFoundError(f"path: {path} {what}, wanted a mesh file")
+        raise FileNotFoundError(f"path: {path} {what}, expected a mesh file")
     if path.stat().st_size == 0:
-        raise ValueError(f"path: {path} is empty, wanted a mesh file")
+        raise ValueError(f"path: {path} is empty, expected a mesh file")
 
     import trimesh
 
     known = sorted(trimesh.available_formats())
     if path.suffix.lower().lstrip(".") not in known:
-        raise ValueError(f"path: {path} has an unknown format, wanted one of {', '.join(known)}")
+        raise ValueError(f"path: {path} has an unknown format, expected one of {', '.join(known)}")
     try:
         mesh = trimesh.load_mesh(path, process=False)
     except Exception as error:  # trimesh raises whatever its many readers raise
@@ -41,5 +41,5 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
     vertices = np.asarray(getattr(mesh, "vertices", ()), dtype=np.float64)
     faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)
     if faces.size == 0:
-        raise ValueError(f"path: {path} has no faces, wanted a triangle mesh")
+        raise ValueError(f"path: {path} has no faces, expected a triangle mesh")
     return vertices * scale, faces

@@ -1,7 +1,7 @@
 """Queries between two posed shapes.
 
 Poses are homogeneous matrices (..., 4, 4): rigid motions from the shape's frame to the world, in
-metres. They broadcast. Arrays run on `threads` threads (default: the environment variable
+meters. They broadcast. Arrays run on `threads` threads (default: the environment variable
 FGENV_THREADS, else all cores), with the same result bit for bit for any number of them.
 """
 
@@ -20,7 +20,7 @@ from .shape import Shape
 class Nearest(NamedTuple):
     """Nearest points of two shapes, world frame; leading dimensions are those of the poses."""
 
-    distance: NDArray[np.float64]  # (...), metres; 0 where they collide
+    distance: NDArray[np.float64]  # (...), meters; 0 where they collide
     point_a: NDArray[np.float64]  # (..., 3)
     point_b: NDArray[np.float64]  # (..., 3)
     normal: NDArray[np.float64]  # (..., 3), unit, from b to a

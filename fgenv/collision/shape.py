@@ -25,21 +25,21 @@ class Shape(_core.Shape):
     """A mesh ready for queries, shared by every body that has this form.
 
     Vertices at equal positions become one; faces of zero area and repeated faces go; faces wound
-    against their neighbours are turned. What was done stands in `repairs` and is warned of once.
+    against their neighbors are turned. What was done stands in `repairs` and is warned of once.
     Closed shells are solid: what has a winding number other than 0 in them is inside, and collides.
     The rest of a mesh that is not watertight is a surface.
 
     Args:
-        vertices: (n, 3) finite, metres.
+        vertices: (n, 3) finite, meters.
         faces: (m, 3) whole numbers, vertex indices.
         method: `exact` (default), `crease`, or `loop` (published, unsound, for comparison).
-        tolerance: metres: instead of a method, keep the borders of patches this thick; a contact
+        tolerance: meters: instead of a method, keep the borders of patches this thick; a contact
             that is missed is no deeper than the sum of both shapes' tolerances.
         angle: radians, for `crease` and `loop`; see `FeatureGraph`.
         name: for messages.
 
     Raises:
-        ValueError, TypeError: naming the argument, what came and what is wanted.
+        ValueError, TypeError: naming the argument, what came and what is expected.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Shape(_core.Shape):
 
         Args:
             path: the file; a scene's meshes become one, placed as the scene says.
-            scale: factor to metres, e.g. 0.001 for a file in millimetres.
+            scale: factor to meters, e.g. 0.001 for a file in millimeters.
             name: the file's stem if left out.
 
         Raises:
@@ -122,10 +122,10 @@ class Shape(_core.Shape):
         Args:
             origins, directions: (..., 3), world; a direction's length does not matter, but 0.
             T: pose of the shape (..., 4, 4), the origin's if left out.
-            max_distance: metres.
+            max_distance: meters.
 
         Returns:
-            Distances in metres (inf: no hit) and face indices (-1: no hit), broadcast.
+            Distances in meters (inf: no hit) and face indices (-1: no hit), broadcast.
         """
         pose = IDENTITY if T is None else T
         return _core.raycast(self, origins, directions, pose, max_distance, threads)

@@ -21,7 +21,7 @@ from .shape import Shape
 Body = int | str  # a body's id or name
 Bodies = Body | Sequence[Body] | NDArray[np.integer[Any]]
 
-TOLERANCE = 1e-6  # metres
+TOLERANCE = 1e-6  # meters
 
 
 class Model(Protocol):
@@ -68,14 +68,14 @@ class MotionResult(NamedTuple):
 class RayHits(NamedTuple):
     """First hits of rays."""
 
-    distance: NDArray[np.float64]  # (...), metres; inf: no hit
+    distance: NDArray[np.float64]  # (...), meters; inf: no hit
     body: NDArray[np.int32]  # (...), id; -1: no hit
 
 
 class Clearances(NamedTuple):
     """Distances to the nearest body."""
 
-    distance: NDArray[np.float64]  # (...), metres; 0 in collision, inf with nobody to meet
+    distance: NDArray[np.float64]  # (...), meters; 0 in collision, inf with nobody to meet
     body: NDArray[np.int32]  # (...), its id; -1: nobody
 
 
@@ -85,9 +85,9 @@ class Record:
 
     id: int
     name: str
-    position: NDArray[np.float64]  # (3,), metres
+    position: NDArray[np.float64]  # (3,), meters
     mask: int  # one bit a mover
-    feature_points: NDArray[np.float64]  # (n, 3), the shape's frame, metres
+    feature_points: NDArray[np.float64]  # (n, 3), the shape's frame, meters
     graph: FeatureGraph
     pose: NDArray[np.float64]  # (4, 4)
     shape: Shape
@@ -100,7 +100,7 @@ class Record:
 class World:
     """Bodies with poses; masks, collision, clearance, motion and rays among them.
 
-    Poses are (..., 4, 4) rigid motions from a shape's frame to the world, in metres. Wherever a
+    Poses are (..., 4, 4) rigid motions from a shape's frame to the world, in meters. Wherever a
     body is asked for, its id or its name will do. A robot is a body with all that is attached to
     it, moved by poses; or a kinematic tree that `add_robot` has brought, moved by configurations:
     wherever a robot's poses are asked for, such a one takes configurations (..., nq), and its way
@@ -254,7 +254,7 @@ class World:
         return self._core.candidates(robot)
 
     def motion_boxes(self, robot: Body) -> NDArray[np.float64]:
-        """Motion boxes of the robot's path, (legs, 2, 3): lowest and highest corner, metres."""
+        """Motion boxes of the robot's path, (legs, 2, 3): lowest and highest corner, meters."""
         return self._core.motion_boxes(robot)
 
     def mask(self, body: Body) -> int:
@@ -281,7 +281,7 @@ class World:
 
         Args:
             times: seconds, broadcast with the poses: where bodies are on their trajectories.
-            margin: metres: nearer than this collides.
+            margin: meters: nearer than this collides.
         """
         return self._core.collides(robot, poses, times, margin, threads)
 
@@ -321,10 +321,10 @@ class World:
         itself. Nothing is tunnelled through, however thin or fast.
 
         Args:
-            margin: metres: nearer than this is contact.
-            tolerance: metres: no point of the robot moves farther from `contact` to `contact_by`.
+            margin: meters: nearer than this is contact.
+            tolerance: meters: no point of the robot moves farther from `contact` to `contact_by`.
             mode: `continuous`, or `discrete`: looked at in steps, as OMPL does; it can tunnel.
-            resolution: metres: no point moves farther in a step of `discrete`.
+            resolution: meters: no point moves farther in a step of `discrete`.
             first: False: any contact will do, which is found sooner.
             t0, t1: seconds at T0 and T1: bodies are met where their trajectories put them. Without,
                 they stand where they are.

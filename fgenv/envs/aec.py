@@ -21,13 +21,13 @@ class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[misc]
         """Act for `agent_selection`: (size,), None for one whose episode is over.
 
         Raises:
-            ValueError: naming the robot, saying what came and what is wanted. Nothing has
+            ValueError: naming the robot, saying what came and what is expected. Nothing has
                 changed then.
         """
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             if action is not None:
-                raise ValueError(f"action of {agent!r}: its episode is over, wanted None")
+                raise ValueError(f"action of {agent!r}: its episode is over, expected None")
         else:
             self.env.checked(agent, action)
         super().step(action)

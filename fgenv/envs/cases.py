@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.scenarios import Built, FrozenSet, Scenario, frozen
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +59,12 @@ def scenario_of(
     if isinstance(source, (FrozenSet, Scenario)):
         if overrides or cases is not None:
             names = ", ".join([*overrides, *(["cases"] if cases is not None else [])])
-            raise TypeError(f"overrides: {names}, wanted with the name of a scenario only")
+            raise TypeError(f"overrides: got {names}, expected with the name of a scenario only")
         several = source if isinstance(source, FrozenSet) else None
         return (several.template if several else source), several  # type: ignore[return-value]
     if not isinstance(source, (str, Path)):
         kind = type(source).__name__
-        raise TypeError(f"scenario: {kind}, wanted a name, a path, a Scenario or a FrozenSet")
+        raise TypeError(f"scenario: got {kind}, expected a name, a path, a Scenario or a FrozenSet")
     if Path(source).suffix == ".npz":
         return scenario_of(frozen(source, **overrides), cases, {})
     if cases is None:

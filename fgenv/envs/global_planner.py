@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Flags, Floats, Ints
 from fgenv.collision import World
 from fgenv.robots.footprint import discs_of, enclosing, is_long, sides_of
 from fgenv.robots.limits import reaches
@@ -20,9 +20,6 @@ from .state_readers import MOVING, PARKED
 if TYPE_CHECKING:
     from .simulator import Simulator
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 FINE = 1 / 3  # of the radius of a robot's circle: a cell's side
 MOST = 200  # cells along a side of the workspace
@@ -41,7 +38,7 @@ class Grid(NamedTuple):
     side: float
 
     def axis(self, k: int) -> Floats:
-        """Where the cells' middles are on an axis, metres."""
+        """Where the cells' middles are on an axis, meters."""
         places: Floats = self.low[k] + self.side * np.arange(self.prices.shape[k + 1])
         return places
 
@@ -77,13 +74,13 @@ class Guide:
         for robot in simulator.robots:
             if robot.base != "planar" or robot.workspace is None:
                 raise ValueError(
-                    f"path: {robot.name!r} has no planar base, or no workspace; wanted 'straight'"
+                    f"path: {robot.name!r} has no planar base, or no workspace; expected 'straight'"
                 )
         self._simulator = simulator
         self._discs = [discs_of(robot) for robot in simulator.robots]
         self._room = [
-            float(reaches(robot)[robot.root]) - enclosing(robot) if len(centres) == 1 else 0.0
-            for robot, (centres, _) in zip(simulator.robots, self._discs, strict=True)
+            float(reaches(robot)[robot.root]) - enclosing(robot) if len(centers) == 1 else 0.0
+            for robot, (centers, _) in zip(simulator.robots, self._discs, strict=True)
         ]
         models = [robot.model for robot in simulator.scenario.robots]
         self._like = [models.index(model) for model in models]  # the first of the same model
@@ -154,8 +151,8 @@ class Guide:
 
     def _stands(self, i: int, at: Floats, j: int, path: Floats) -> bool:
         """Whether robot i at a configuration stands in a path of robot j, or at a point of it."""
-        (centres, radius), (_, wide) = self._discs[i], self._discs[j]
-        return gap(path, placed(centres, at)) < radius + wide
+        (centers, radius), (_, wide) = self._discs[i], self._discs[j]
+        return gap(path, placed(centers, at)) < radius + wide
 
     def _around(
         self, world: int, i: int, grid: Grid, parked: Sequence[int], at: Floats, room: bool = True
@@ -186,9 +183,9 @@ class Guide:
         return near, squared < apart**2
 
     def _reach(self, i: int) -> float:
-        """Metres from a robot's base that its discs reach."""
-        centres, radius = self._discs[i]
-        return float(np.abs(centres).max()) + radius
+        """Meters from a robot's base that its discs reach."""
+        centers, radius = self._discs[i]
+        return float(np.abs(centers).max()) + radius
 
     def _grid(self, world: int, case: int, i: int) -> Grid:
         """That of a robot in a case; alike robots share it."""
@@ -234,7 +231,7 @@ def found(grid: Grid, start: Floats, goal: Floats) -> Floats | None:
 
 
 def gap(path: Floats, places: Floats) -> float:
-    """Metres between a path (n, 3), or a point (1, 3), and the nearest of places (k, 2)."""
+    """Meters between a path (n, 3), or a point (1, 3), and the nearest of places (k, 2)."""
     begins = path[: max(1, len(path) - 1), :2]
     legs, to = path[-len(begins) :, :2] - begins, places[:, None] - begins
     squared = (legs**2).sum(axis=1)
@@ -246,7 +243,7 @@ def gap(path: Floats, places: Floats) -> float:
 
 
 def placed(ahead: Any, at: Floats) -> Floats:
-    """Points (k, 2) that are so far ahead of a base at (3,), metres."""
+    """Points (k, 2) that are so far ahead of a base at (3,), meters."""
     sine, cosine = _core.sin_cos(at[2:])
     found: Floats = at[:2] + np.multiply.outer(ahead, np.array([cosine[0], sine[0]]))
     return found

@@ -17,7 +17,7 @@ def infos(simulator: Simulator, world: int = 0) -> list[Told]:
     - `masked`: how many bodies its motion's mask left;
     - `checks`: how many pairs of bodies were looked at;
     - `success`: whether it has arrived;
-    - `clearance`: metres to what is nearest, where that is measured.
+    - `clearance`: meters to what is nearest, where that is measured.
     """
     arrived = (simulator.status[world] != MOVING).tolist()
     masked, checks = simulator.masked[world].tolist(), simulator.checks[world].tolist()

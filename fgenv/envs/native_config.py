@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.robots import (
     Car,
@@ -27,8 +27,6 @@ from fgenv.scenarios.drive_specs import Lidar
 
 from .cases import Cases
 from .observations import Observation
-
-Floats = NDArray[np.float64]
 
 KINDS: dict[type[Drive], str] = {
     Holonomic: "holonomic",
@@ -48,14 +46,14 @@ def agents(world: World, built: Built, cases: Cases, observation: Observation) -
     """
     found = []
     plain = ("goal", "velocity", "configuration", "path_hint")
-    others = min(observation.neighbours, len(built.robots) - 1)
+    others = min(observation.neighbors, len(built.robots) - 1)
     sees = others > 0 or any(getattr(observation, name) for name in plain)
     for i, robot in enumerate(built.robots):
         spec = built.scenario.robots[i]
         lidar = lidar_of(built.scenario.models[spec.model].lidar, observation)
         kind, wheelbase = drive_of(robot)
         if not sees and lidar is None:
-            raise ValueError(f"observation: {robot.name!r} observes nothing, wanted one part on")
+            raise ValueError(f"observation: {robot.name!r} observes nothing, expected one part on")
         found.append(
             _core.Agent(
                 world._core,
@@ -87,7 +85,7 @@ def drive_of(robot: Robot) -> tuple[str, float]:
     if type(drive) not in KINDS:
         known = ", ".join(kind.__name__ for kind in KINDS)
         raise ValueError(
-            f"robot {robot.name!r}: a {type(drive).__name__} is not simulated, wanted {known}"
+            f"robot {robot.name!r}: a {type(drive).__name__} is not simulated, expected {known}"
         )
     return KINDS[type(drive)], drive.wheelbase if isinstance(drive, Car) else 1.0
 

@@ -23,7 +23,7 @@ ABOUT = {
         "the point of the path that is `look_ahead` ahead: x, y (, z); of a fixed base, the change"
         " of each joint to there (rad, m)",
     ),
-    "neighbours": (
+    "neighbors": (
         "m, 1, m/s",
         "own base",
         "the nearest robots, zeros where there are no more: planar x, y, cosine, sine, relative"
@@ -53,11 +53,11 @@ class Observation:
     Attributes:
         goal, velocity, configuration, path_hint, lidar: on or off. The lidar is that of the
             scenario's model; a model without one has no such part.
-        neighbours: how many of the nearest robots.
-        neighbour_range: metres between circles that enclose robots, over which neighbours fade: all
+        neighbors: how many of the nearest robots.
+        neighbor_range: meters between circles that enclose robots, over which neighbors fade: all
             numbers of one are times 1 where circles touch, 0 where they are so far apart, and
             its position is a direction. None: as they are. A network tells near from far better so.
-        intent: tell of each neighbour where its goal is from there, metres in the robot's own frame
+        intent: tell of each neighbor where its goal is from there, meters in the robot's own frame
             (2 numbers; of free bases 3): who it is that will cross its way.
         priority: first the nearest of those that come before the robot in the scenario, then as
             many of those that come after it: who is to go first where only one can.
@@ -65,9 +65,9 @@ class Observation:
             long for any number of them.
         path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
             planar bases (see `fgenv.envs.global_planner`).
-        look_ahead: of the path hint, metres (of a fixed base: radians of all joints together).
+        look_ahead: of the path hint, meters (of a fixed base: radians of all joints together).
         rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
-        lidar_range: metres, of those rays.
+        lidar_range: meters, of those rays.
     """
 
     goal: bool = True
@@ -75,8 +75,8 @@ class Observation:
     configuration: bool = False
     path_hint: bool = False
     lidar: bool = True
-    neighbours: int = 4
-    neighbour_range: float | None = None
+    neighbors: int = 4
+    neighbor_range: float | None = None
     intent: bool = False
     priority: bool = False
     look_ahead: float = 1.0
@@ -88,21 +88,25 @@ class Observation:
     def __post_init__(self) -> None:
         for name in (switch.name for switch in fields(self) if switch.type == "bool"):
             if not isinstance(getattr(self, name), bool):
-                raise TypeError(f"observation: {name}: {getattr(self, name)!r}, wanted a bool")
+                raise TypeError(
+                    f"observation: {name}: got {getattr(self, name)!r}, expected a bool"
+                )
         if self.path not in PATHS:
-            raise ValueError(f"observation: path: {self.path!r}, wanted {' or '.join(PATHS)}")
-        whole = isinstance(self.neighbours, int) and not isinstance(self.neighbours, bool)
-        if not whole or not 0 <= self.neighbours <= 1000:
-            raise ValueError(f"observation: neighbours: {self.neighbours!r}, wanted 0 to 1000")
+            raise ValueError(f"observation: path: got {self.path!r}, expected {' or '.join(PATHS)}")
+        whole = isinstance(self.neighbors, int) and not isinstance(self.neighbors, bool)
+        if not whole or not 0 <= self.neighbors <= 1000:
+            raise ValueError(f"observation: neighbors: got {self.neighbors!r}, expected 0 to 1000")
         if self.rays is not None and not (isinstance(self.rays, int) and 1 <= self.rays <= 100_000):
-            raise ValueError(f"observation: rays: {self.rays!r}, wanted 1 to 100000, or None")
-        for name in ("look_ahead", "lidar_range", "neighbour_range"):
+            raise ValueError(f"observation: rays: got {self.rays!r}, expected 1 to 100000, or None")
+        for name in ("look_ahead", "lidar_range", "neighbor_range"):
             value = getattr(self, name)
             if value is not None and not 0 < value < math.inf:
-                raise ValueError(f"observation: {name}: {getattr(self, name)!r}, wanted over 0")
+                raise ValueError(
+                    f"observation: {name}: got {getattr(self, name)!r}, expected over 0"
+                )
 
-    def neighbour_size(self, flat: bool) -> int:
-        """Numbers of one neighbour; flat: all bases are planar."""
+    def neighbor_size(self, flat: bool) -> int:
+        """Numbers of one neighbor; flat: all bases are planar."""
         return (7 if flat else 11) + (2 if flat else 3) * self.intent
 
 

@@ -48,7 +48,7 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def __init__(self, simulator: Simulator, render_mode: str | None = None) -> None:
         if simulator.n_worlds != 1 or simulator.autoreset:
-            raise ValueError("simulator: wanted worlds=1, autoreset=False")
+            raise ValueError("simulator: expected worlds=1, autoreset=False")
         self.simulator, self.render_mode = simulator, render_mode
         self.possible_agents = list(simulator.names)
         self.agents: list[str] = []
@@ -132,17 +132,19 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         """An action as numbers (size,).
 
         Raises:
-            ValueError: naming the robot, saying what came and what is wanted.
+            ValueError: naming the robot, saying what came and what is expected.
         """
-        wanted = self._shapes[self._place(agent)]
+        expected = self._shapes[self._place(agent)]
         try:
             numbers = np.asarray(action, dtype=np.float64)
         except (TypeError, ValueError):
-            raise ValueError(f"action of {agent!r}: {action!r}, wanted numbers") from None
-        if numbers.shape != wanted:
-            raise ValueError(f"action of {agent!r}: shape {numbers.shape}, wanted {wanted}")
+            raise ValueError(f"action of {agent!r}: got {action!r}, expected numbers") from None
+        if numbers.shape != expected:
+            raise ValueError(f"action of {agent!r}: shape {numbers.shape}, expected {expected}")
         if not np.isfinite(numbers).all():
-            raise ValueError(f"action of {agent!r}: {numbers.tolist()}, wanted finite numbers")
+            raise ValueError(
+                f"action of {agent!r}: got {numbers.tolist()}, expected finite numbers"
+            )
         return numbers
 
     def __copy__(self) -> FleetParallelEnv:
@@ -175,18 +177,18 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     def _check_names(self, actions: Mapping[str, ArrayLike]) -> None:
         if not isinstance(actions, Mapping):
             kind = type(actions).__name__
-            raise TypeError(f"actions: {kind}, wanted a dict, an action for each of agents")
+            raise TypeError(f"actions: got {kind}, expected a dict, an action for each of agents")
         for name in self.agents:
             if name not in actions:
-                raise ValueError(f"actions: none for {name!r}, wanted one for each of agents")
+                raise ValueError(f"actions: none for {name!r}, expected one for each of agents")
         if len(actions) > len(self.agents):
             name = next(name for name in actions if name not in self.agents)
             self._place(name)
-            raise ValueError(f"actions: {name!r} has arrived, wanted one for each of agents")
+            raise ValueError(f"actions: {name!r} has arrived, expected one for each of agents")
 
     def _place(self, agent: str) -> int:
         if agent not in self._places:
-            raise ValueError(f"robot: {agent!r} is unknown, wanted {', '.join(self._places)}")
+            raise ValueError(f"robot: {agent!r} is unknown, expected {', '.join(self._places)}")
         return self._places[agent]
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats32
+
 from .simulator_view import View
 
 if TYPE_CHECKING:
     from .simulator import Simulator
-
-Rows = NDArray[np.float32]
 
 
 @runtime_checkable
@@ -24,7 +24,7 @@ class Policy(Protocol):
     def reset(self, view: View) -> None:
         """Episodes begin; the view may be kept, it follows the simulator."""
 
-    def act(self, observations: Rows) -> Any:
+    def act(self, observations: Floats32) -> Any:
         """Actions (worlds, robots, action_size) in [-1, 1], beyond is clipped.
 
         Args:
@@ -35,13 +35,13 @@ class Policy(Protocol):
 class Called:
     """A function of observations as a policy."""
 
-    def __init__(self, function: Callable[[Rows], Any]) -> None:
+    def __init__(self, function: Callable[[Floats32], Any]) -> None:
         self._function = function
 
     def reset(self, view: View) -> None:
         """See `Policy`."""
 
-    def act(self, observations: Rows) -> Any:
+    def act(self, observations: Floats32) -> Any:
         """See `Policy`."""
         return self._function(observations)
 
@@ -61,21 +61,21 @@ def policy_of(others: Any, seed: int = 0) -> Policy:
     if callable(others):
         return Called(others)
     raise TypeError(
-        f"others: {type(others).__name__}, wanted a name ('rest', 'random', 'goto'), a policy with"
+        f"others: got {type(others).__name__}, expected a name ('rest', 'goto', ...), a policy with"
         " reset(view) and act(observations), or a function of observations"
     )
 
 
-def actions_of(policy: Policy, simulator: Simulator, observations: Rows) -> NDArray[np.float64]:
+def actions_of(policy: Policy, simulator: Simulator, observations: Floats32) -> NDArray[np.float64]:
     """What a policy wants, (worlds, robots, action size), a copy.
 
     Raises:
         ValueError: another shape, or a number that is not finite.
     """
     asked = np.array(policy.act(observations), dtype=np.float64)
-    wanted = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-    if asked.shape != wanted:
-        raise ValueError(f"others: act gave shape {asked.shape}, wanted {wanted}")
+    expected = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
+    if asked.shape != expected:
+        raise ValueError(f"others: act gave shape {asked.shape}, expected {expected}")
     if not np.isfinite(asked).all():
         raise ValueError("others: act gave a number that is not finite")
     return asked

@@ -170,8 +170,8 @@ class Record:
         for name in ARRAYS:
             array, rows = self.arrays[name], steps + (name in BEFORE)
             if array.shape[:2] != (rows, n) or array.ndim != 2 + (name in WIDE):
-                wanted = f"({rows}, {n}{', ...' if name in WIDE else ''})"
-                raise RecordError(f"record: {name} has shape {array.shape}, wanted {wanted}")
+                expected = f"({rows}, {n}{', ...' if name in WIDE else ''})"
+                raise RecordError(f"record: {name} has shape {array.shape}, expected {expected}")
 
     def __repr__(self) -> str:
         name = self.scenario.name

@@ -17,7 +17,7 @@ from .simulator import Simulator
 if TYPE_CHECKING:
     from .record import Record
 
-BLIND = Observation(velocity=False, lidar=False, neighbours=0)  # nobody looks: less to work out
+BLIND = Observation(velocity=False, lidar=False, neighbors=0)  # nobody looks: less to work out
 
 
 def replayed(record: Record, threads: int | None) -> Simulator:

@@ -46,11 +46,13 @@ class Recorder:
             ValueError: the simulator resets by itself, the episode has begun, or no such world.
         """
         if not 0 <= world < simulator.n_worlds:
-            raise ValueError(f"world: {world}, wanted 0 to {simulator.n_worlds - 1}")
+            raise ValueError(f"world: got {world}, expected 0 to {simulator.n_worlds - 1}")
         if simulator.autoreset:
-            raise ValueError("simulator: it resets by itself, wanted autoreset=False to record it")
+            raise ValueError(
+                "simulator: it resets by itself, expected autoreset=False to record it"
+            )
         if simulator.steps[world] != 0 or simulator.episodes[world] < 0:
-            raise ValueError("simulator: wanted at the start of an episode, call reset()")
+            raise ValueError("simulator: expected at the start of an episode, call reset()")
         self._simulator, self._world, self._rows = simulator, world, []
         self._ended = "stopped"
         self._first = {name: getattr(simulator, name)[world] for name in BEFORE}
@@ -65,7 +67,9 @@ class Recorder:
         """
         simulator, world = self._simulator, self._world if self._simulator else 0
         if simulator is None or simulator.steps[world] != len(self._rows) + 1:
-            raise RuntimeError("recorder: wanted begin() after each reset, and add() for each step")
+            raise RuntimeError(
+                "recorder: expected begin() after each reset, and add() for each step"
+            )
         row = {name: getattr(simulator, name)[world] for name in SEEN}
         row["actions"] = np.array(actions, dtype=np.float64)[world]
         row["rewards"] = step.rewards[world].copy()

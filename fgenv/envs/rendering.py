@@ -38,7 +38,7 @@ class Screen:
 
     def __init__(self, simulator: Simulator, mode: str | None) -> None:
         if mode not in (None, *MODES):
-            raise ValueError(f"render_mode: {mode!r}, wanted {', '.join(MODES)} or None")
+            raise ValueError(f"render_mode: got {mode!r}, expected {', '.join(MODES)} or None")
         self.simulator, self.mode = simulator, mode
         self.live: Live | None = None
         self._episode: tuple[int, int, int] | None = None
@@ -128,4 +128,4 @@ def view_port() -> int:
     try:
         return int(text)
     except ValueError:
-        raise ValueError(f"FGENV_VIEW_PORT: {text!r}, wanted a port, 0 to 65535") from None
+        raise ValueError(f"FGENV_VIEW_PORT: got {text!r}, expected a port, 0 to 65535") from None

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from .simulator import Simulator
 
 TERMS = {
-    "progress": "metres (of a fixed base: radians of all joints) nearer to the goal in this step",
+    "progress": "meters (of a fixed base: radians of all joints) nearer to the goal in this step",
     "arrival": "1 in the step in which the robot arrives",
     "collision": "1 where it met something in this step",
     "obstacle": "1 more where what it met is no robot",
     "time": "1 in each step on the way",
     "effort": "mean square of its action, 0 to 1",
-    "closeness": "1 in contact, falling to 0 at `near` metres of clearance",
+    "closeness": "1 in contact, falling to 0 at `near` meters of clearance",
 }
 DEFAULT = {"progress": 1.0, "arrival": 10.0, "collision": -1.0, "time": -0.01}
 Term = Callable[["Simulator"], Any]
@@ -35,7 +35,7 @@ class Reward:
         own: functions of the simulator after the step, before a world begins anew, that return
             (worlds, robots), and what to multiply each with. Robots that had arrived before the
             step get nothing.
-        near: metres, of `closeness`.
+        near: meters, of `closeness`.
     """
 
     weights: Mapping[str, float] = field(default_factory=lambda: MappingProxyType(DEFAULT))
@@ -45,14 +45,14 @@ class Reward:
     def __post_init__(self) -> None:
         for name, weight in self.weights.items():
             if name not in TERMS:
-                raise ValueError(f"reward: {name!r} is no term, wanted one of {', '.join(TERMS)}")
+                raise ValueError(f"reward: {name!r} is no term, expected one of {', '.join(TERMS)}")
             if not np.isfinite(weight):
-                raise ValueError(f"reward: {name}: {weight!r}, wanted a finite weight")
+                raise ValueError(f"reward: {name}: got {weight!r}, expected a finite weight")
         for term, weight in self.own:
             if not callable(term) or not np.isfinite(weight):
-                raise TypeError("reward: own: wanted pairs of a function and a finite weight")
+                raise TypeError("reward: own: expected pairs of a function and a finite weight")
         if not 0 < self.near < np.inf:
-            raise ValueError(f"reward: near: {self.near!r}, wanted metres over 0")
+            raise ValueError(f"reward: near: got {self.near!r}, expected meters over 0")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (dict(self.weights), self.own, self.near)
@@ -69,7 +69,7 @@ class Reward:
             name = getattr(term, "__name__", repr(term))
             value = np.asarray(term(simulator), dtype=np.float64)
             if value.shape != shape:
-                raise ValueError(f"reward: {name} gave shape {value.shape}, wanted {shape}")
+                raise ValueError(f"reward: {name} gave shape {value.shape}, expected {shape}")
             if not np.isfinite(value).all():
                 raise ValueError(f"reward: {name} gave a number that is not finite")
             total += weight * value

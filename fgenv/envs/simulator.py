@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
+from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, FrozenSet, Scenario
 
@@ -26,9 +27,6 @@ from .observations import Observation
 from .rewards import TERMS, Reward
 from .state_readers import MOVING, PARKED, Readings
 
-Floats = NDArray[np.float64]
-Rows = NDArray[np.float32]
-Flags = NDArray[np.bool_]
 Source = str | Path | Scenario | FrozenSet
 
 MOST_WORLDS = 1_000_000
@@ -37,7 +35,7 @@ MOST_WORLDS = 1_000_000
 class Step(NamedTuple):
     """What a step gives."""
 
-    observations: Rows  # (worlds, robots, size)
+    observations: Floats32  # (worlds, robots, size)
     rewards: Floats  # (worlds, robots)
     terminated: Flags  # (worlds,): all have arrived, or one that had to stop it met something
     truncated: Flags  # (worlds,): the horizon is reached
@@ -69,7 +67,7 @@ class Simulator(Readings):
         case_order: which case an episode is, where there are several: `random`, or `seed`: that of
             the number seed + episode, round and round.
         clearance: measure each robot's distance to whatever is nearest after each step.
-        tolerance: metres that a robot may stop before what it meets; less costs more.
+        tolerance: meters that a robot may stop before what it meets; less costs more.
         autoreset: a world that ends begins anew in the same step; what its robots observed at the
             end is in `final_observations`. Else stepping after the end is an error.
         max_steps: of an episode, in place of the scenario's horizon.
@@ -107,18 +105,24 @@ class Simulator(Readings):
             or not isinstance(worlds, int)
             or not 1 <= worlds <= MOST_WORLDS
         ):
-            raise ValueError(f"worlds: {worlds!r}, wanted 1 to {MOST_WORLDS}")
+            raise ValueError(f"worlds: got {worlds!r}, expected 1 to {MOST_WORLDS}")
         whole = isinstance(max_steps, int) and not isinstance(max_steps, bool)
         if max_steps is not None and not (whole and 1 <= max_steps < 2**62):
-            raise ValueError(f"max_steps: {max_steps!r}, wanted a whole number over 0, or None")
+            raise ValueError(
+                f"max_steps: got {max_steps!r}, expected a whole number over 0, or None"
+            )
         number = isinstance(way_point_seconds, (int, float))
         if not number or not 0 < way_point_seconds <= 1e3:
-            raise ValueError(f"way_point_seconds: {way_point_seconds!r}, wanted over 0, to 1000")
+            raise ValueError(
+                f"way_point_seconds: got {way_point_seconds!r}, expected over 0, to 1000"
+            )
         if not 1e-9 <= tolerance <= 0.1:
-            raise ValueError(f"tolerance: {tolerance!r}, wanted metres, 1e-9 to 0.1")
+            raise ValueError(f"tolerance: got {tolerance!r}, expected meters, 1e-9 to 0.1")
         self.scenario, several = scenario_of(scenario, cases, overrides)
         if not self.scenario.robots:
-            raise ValueError(f"scenario: {self.scenario.name!r} has no robots, wanted one at least")
+            raise ValueError(
+                f"scenario: {self.scenario.name!r} has no robots, expected one at least"
+            )
         self.observation: Observation = given(observation, "observation", Observation)
         self.reward: Reward = given(reward, "reward", Reward)
         self.actions, self.starts, self.way_point_seconds = actions, starts, way_point_seconds
@@ -145,7 +149,7 @@ class Simulator(Readings):
         )
         guided = self.observation.path_hint and self.observation.path == "shortest"
         self._guide = Guide(self) if guided else None
-        self.final_observations: Rows | None = None
+        self.final_observations: Floats32 | None = None
         self._begun = False
         self._over = np.zeros(self.n_worlds, dtype=bool)
 
@@ -169,10 +173,10 @@ class Simulator(Readings):
             "configuration": seen.configuration,
             "path_hint": seen.path_hint,
             "lidar": seen.lidar,
-            "neighbours": seen.neighbours if seen.pad else min(seen.neighbours, self.n_robots - 1),
+            "neighbors": seen.neighbors if seen.pad else min(seen.neighbors, self.n_robots - 1),
             "intent": seen.intent,
             "priority": seen.priority,
-            "neighbour_range": float(seen.neighbour_range or 0.0),
+            "neighbor_range": float(seen.neighbor_range or 0.0),
             "look_ahead": float(seen.look_ahead),
             **dict.fromkeys(TERMS, 0.0),
             **{name: float(weight) for name, weight in self.reward.weights.items()},
@@ -184,7 +188,7 @@ class Simulator(Readings):
         self,
         seed: int | Sequence[int] | None = None,
         worlds: ArrayLike | None = None,
-    ) -> Rows:
+    ) -> Floats32:
         """Begin episodes; returns observations, (worlds, robots, size).
 
         Args:
@@ -243,7 +247,7 @@ class Simulator(Readings):
             for robot, path in self._guide.paths(world).items():
                 self._core.set_path(world, robot, path)
 
-    def _guide_around_parked(self, rows: Rows) -> None:
+    def _guide_around_parked(self, rows: Floats32) -> None:
         """Where somebody parked in this step others have new paths from here."""
         if self._guide is None:
             return
@@ -258,7 +262,7 @@ class Simulator(Readings):
         self._ready("set_path")
         self._core.set_path(world, robot, path)
 
-    def observe(self) -> Rows:
+    def observe(self) -> Floats32:
         """Observations as they are, (worlds, robots, size)."""
         self._ready("observe")
         return self._core.observe(None, self.threads)
@@ -282,7 +286,9 @@ class Simulator(Readings):
         which = np.asarray(worlds)
         if which.dtype == bool:
             if which.shape != (self.n_worlds,):
-                raise ValueError(f"worlds: a mask of shape {which.shape}, wanted {self.n_worlds},")
+                raise ValueError(
+                    f"worlds: a mask of shape {which.shape}, expected {self.n_worlds},"
+                )
             return np.flatnonzero(which)
         return np.atleast_1d(which) if which.size else np.empty(0, dtype=np.int64)
 
@@ -341,13 +347,13 @@ CACHED = ("names", "action_sizes", "layouts", "observation_sizes", "body_names")
 def chosen(value: str, name: str, known: tuple[str, ...]) -> None:
     """ValueError where a word is none of those known."""
     if value not in known:
-        raise ValueError(f"{name}: {value!r}, wanted {' or '.join(known)}")
+        raise ValueError(f"{name}: got {value!r}, expected {' or '.join(known)}")
 
 
 def given(value: Any, name: str, kind: type[Any]) -> Any:
     """The value, or the default one of its kind; TypeError where it is of another kind."""
     if value is not None and not isinstance(value, kind):
-        raise TypeError(f"{name}: {value!r}, wanted fgenv.envs.{kind.__name__}")
+        raise TypeError(f"{name}: got {value!r}, expected fgenv.envs.{kind.__name__}")
     return kind() if value is None else value
 
 
@@ -355,11 +361,11 @@ def seeds_of(seed: int | Sequence[int], n: int) -> NDArray[np.int64]:
     """One seed a world."""
     if isinstance(seed, (int, np.integer)):
         if not 0 <= seed < 2**63 - n:
-            raise ValueError(f"seed: {seed}, wanted 0 to 2^63 - 1")
+            raise ValueError(f"seed: got {seed}, expected 0 to 2^63 - 1")
         return np.arange(n, dtype=np.int64) + np.int64(seed)
     seeds = np.asarray(seed)
     if seeds.shape != (n,) or seeds.dtype.kind not in "iu" or (seeds < 0).any():
-        raise ValueError(f"seed: {seed!r}, wanted a number, or {n}, 0 or more")
+        raise ValueError(f"seed: got {seed!r}, expected a number, or {n}, 0 or more")
     return seeds.astype(np.int64)
 
 

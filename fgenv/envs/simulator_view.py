@@ -20,7 +20,7 @@ from .state_readers import GONE, MOVING
 from .waypoints import way_points_toward
 
 if TYPE_CHECKING:
-    from .simulator import Flags, Floats
+    from fgenv.arrays import Flags, Floats
 
 
 class View:
@@ -84,7 +84,7 @@ class View:
 
     @property
     def remaining(self) -> Floats:
-        """To the goals, (worlds, robots): metres; of a fixed base radians of all joints."""
+        """To the goals, (worlds, robots): meters; of a fixed base radians of all joints."""
         return self._simulator.remaining
 
     @property

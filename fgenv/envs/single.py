@@ -12,7 +12,9 @@ from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from fgenv.arrays import Floats32
 
 from .infos import infos
 from .parallel import single
@@ -20,8 +22,6 @@ from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
 from .single_agent import Learner
 from .spaces import action_box, observation_box
-
-Row = NDArray[np.float32]
 
 
 class FleetEnv(gymnasium.Env[Any, Any]):
@@ -64,12 +64,12 @@ class FleetEnv(gymnasium.Env[Any, Any]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Row, dict[str, Any]]:
+    ) -> tuple[Floats32, dict[str, Any]]:
         """Begin an episode: the first of a seed, or the next one. Options are not looked at."""
         super().reset(seed=seed)
         return self.learner.reset(seed)[0], self._told()
 
-    def step(self, action: ArrayLike) -> tuple[Row, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> tuple[Floats32, float, bool, bool, dict[str, Any]]:
         """Step with the robot's action (size,).
 
         Raises:

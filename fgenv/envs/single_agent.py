@@ -6,22 +6,20 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from fgenv.arrays import Flags, Floats, Floats32
 
 from .policy import actions_of, policy_of
 from .simulator import Simulator
 from .simulator_view import View
 from .state_readers import MOVING
 
-Rows = NDArray[np.float32]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
 
 class Outcome(NamedTuple):
     """Of a step, for the robot that learns."""
 
-    observations: Rows  # (worlds, size)
+    observations: Floats32  # (worlds, size)
     rewards: Floats  # (worlds,)
     terminated: Flags  # (worlds,): it has arrived, or a collision has ended the episode
     truncated: Flags  # (worlds,): the horizon is reached
@@ -43,7 +41,7 @@ class Learner:
 
     def reset(
         self, seed: int | Sequence[int] | None = None, worlds: ArrayLike | None = None
-    ) -> Rows:
+    ) -> Floats32:
         """Begin episodes of all worlds, or of some; returns observations of all, (worlds, size)."""
         self.simulator.reset(seed, worlds)
         if worlds is None:
@@ -74,15 +72,15 @@ class Learner:
         self._over = ended | late
         return Outcome(self._own(self._seen), done.rewards[:, self.place].copy(), ended, late)
 
-    def _own(self, rows: Rows) -> Rows:
+    def _own(self, rows: Floats32) -> Floats32:
         return rows[:, self.place, : self.simulator.observation_sizes[self.place]].copy()
 
     def _checked(self, actions: ArrayLike) -> Floats:
         own = np.asarray(actions, dtype=np.float64)
-        wanted = (self.simulator.n_worlds, self.simulator.action_sizes[self.place])
+        expected = (self.simulator.n_worlds, self.simulator.action_sizes[self.place])
         name = self.simulator.names[self.place]
-        if own.shape != wanted:
-            raise ValueError(f"action of {name!r}: shape {own.shape}, wanted {wanted}")
+        if own.shape != expected:
+            raise ValueError(f"action of {name!r}: shape {own.shape}, expected {expected}")
         if not np.isfinite(own).all():
             world = int(np.argwhere(~np.isfinite(own))[0, 0])
             raise ValueError(f"action of {name!r} in world {world}: {own[world].tolist()}")
@@ -97,10 +95,10 @@ def place_of(simulator: Simulator, robot: str | int) -> int:
     """
     if isinstance(robot, str):
         if robot not in simulator.names:
-            raise ValueError(f"robot: {robot!r} is unknown, wanted {', '.join(simulator.names)}")
+            raise ValueError(f"robot: {robot!r} is unknown, expected {', '.join(simulator.names)}")
         return simulator.names.index(robot)
     if isinstance(robot, bool) or not isinstance(robot, (int, np.integer)):
-        raise ValueError(f"robot: {robot!r}, wanted a name or a place")
+        raise ValueError(f"robot: got {robot!r}, expected a name or a place")
     if not 0 <= robot < simulator.n_robots:
-        raise ValueError(f"robot: {robot}, wanted 0 to {simulator.n_robots - 1}")
+        raise ValueError(f"robot: got {robot}, expected 0 to {simulator.n_robots - 1}")
     return int(robot)

@@ -13,6 +13,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Floats
 from fgenv.robots.limits import reaches
 
 from .native_config import drive_of, lidar_of
@@ -22,7 +23,6 @@ from .state_readers import MOVING
 if TYPE_CHECKING:
     from .simulator import Simulator
 
-Floats = NDArray[np.float64]
 Bounds = tuple[Floats, Floats]
 
 SLACK = 1e-5  # of bounds: single precision rounds, a quaternion is nearly of length 1
@@ -87,10 +87,10 @@ def bounds(simulator: Simulator, i: int, part: Part) -> Bounds:
         return speeds(simulator, i)
     if part.name == "configuration":
         return limits(simulator, i)
-    high = neighbours(simulator, i, size) if part.name == "neighbours" else ways(simulator, i, part)
+    high = neighbors(simulator, i, size) if part.name == "neighbors" else ways(simulator, i, part)
     low = -high
-    if part.name == "neighbours":
-        one = simulator.observation.neighbour_size(flat(simulator))
+    if part.name == "neighbors":
+        one = simulator.observation.neighbor_size(flat(simulator))
         low[6 if flat(simulator) else 10 :: one] = 0.0  # radii
     return low, high
 
@@ -122,7 +122,7 @@ def ways(simulator: Simulator, i: int, part: Part) -> Floats:
     return place if axes else joints
 
 
-def neighbours(simulator: Simulator, i: int, size: int) -> Floats:
+def neighbors(simulator: Simulator, i: int, size: int) -> Floats:
     """The largest numbers of what robot i sees of others, either way."""
     others = range(simulator.n_robots)
     far = way = extent(simulator)
@@ -130,8 +130,8 @@ def neighbours(simulator: Simulator, i: int, size: int) -> Floats:
     radius = max(reaches(robot)[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
     seen, closest = simulator.observation, 1.0
-    if seen.neighbour_range is not None:  # a direction, and all times the closeness
-        far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbour_range
+    if seen.neighbor_range is not None:  # a direction, and all times the closeness
+        far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbor_range
     one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[way] * axes * seen.intent]
     return np.tile(one, size // len(one)) * closest
 
@@ -149,7 +149,7 @@ def speed(simulator: Simulator, i: int) -> float:
 
 
 def extent(simulator: Simulator) -> float:
-    """Metres that two bases may be apart at most."""
+    """Meters that two bases may be apart at most."""
     corners = []
     for i, robot in enumerate(simulator.robots):
         axes = {"fixed": 0, "planar": 2, "free": 3}[robot.base]

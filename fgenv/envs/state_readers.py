@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.robots import Action, Robot
 from fgenv.scenarios import Built, Scenario
 
 from .cases import Cases
 from .observations import Part, parts_of
-
-Floats = NDArray[np.float64]
 
 MOVING, PARKED, GONE = 0, 1, 2  # of `status`
 
@@ -28,7 +27,7 @@ class Collision(NamedTuple):
     other: str  # name of the robot or body
     with_robot: bool
     time: float  # seconds in the step
-    point: Floats  # (3,), world, metres
+    point: Floats  # (3,), world, meters
 
 
 class Readings:
@@ -51,7 +50,7 @@ class Readings:
     def _has(self, world: int) -> None:
         """ValueError where there is no such world."""
         if not 0 <= world < self.n_worlds:
-            raise ValueError(f"world: {world}, wanted 0 to {self.n_worlds - 1}")
+            raise ValueError(f"world: got {world}, expected 0 to {self.n_worlds - 1}")
 
     @property
     def robots(self) -> tuple[Robot, ...]:
@@ -159,7 +158,7 @@ class Readings:
 
     @property
     def remaining(self) -> Floats:
-        """To the goal: metres, of a fixed base radians of all joints together."""
+        """To the goal: meters, of a fixed base radians of all joints together."""
         return self._core.remaining()
 
     # Of the last step
@@ -181,7 +180,7 @@ class Readings:
 
     @property
     def hit_points(self) -> Floats:
-        """(worlds, robots, 3), world, metres; 0 where there is none."""
+        """(worlds, robots, 3), world, meters; 0 where there is none."""
         return self._core.hit_points()
 
     @property
@@ -196,7 +195,7 @@ class Readings:
 
     @property
     def clearances(self) -> Floats:
-        """Metres to what is nearest; infinite where not measured."""
+        """Meters to what is nearest; infinite where not measured."""
         return self._core.clearances()
 
     def collisions(self, world: int = 0) -> list[Collision]:
@@ -228,9 +227,9 @@ class Readings:
         return self._core.arrivals()
 
     @property
-    def travelled(self) -> Floats:
-        """Metres that each base went; of a fixed base, radians of all joints together."""
-        return self._core.travelled()
+    def traveled(self) -> Floats:
+        """Meters that each base went; of a fixed base, radians of all joints together."""
+        return self._core.traveled()
 
     @property
     def least_clearances(self) -> Floats:

@@ -16,18 +16,20 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Flags, Floats, Floats32
+
 from .infos import measured
 from .parallel import single
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, seeds_of
-from .single_agent import Flags, Floats, Learner, Rows
+from .single_agent import Learner
 from .spaces import action_box, observation_box
 from .state_readers import MOVING
 
 Told = dict[str, Any]
 
 
-class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
+class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
     """Worlds of one scenario; world k of reset(seed=s) is a FleetEnv of reset(seed=s + k).
 
     A world that ends begins anew in the same step; what its robot observed at the end is in
@@ -75,7 +77,7 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
         *,
         seed: int | Sequence[int] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Rows, Told]:
+    ) -> tuple[Floats32, Told]:
         """Begin episodes: the first of seeds seed + k, or seed[k]; or the next ones.
 
         Args:
@@ -90,7 +92,7 @@ class FleetVectorEnv(VectorEnv[Rows, Any, NDArray[Any]]):
         rows = self.learner.reset(seeds, which)
         return rows, with_masks(self._told(), np.ones(self.num_envs))
 
-    def step(self, actions: ArrayLike) -> tuple[Rows, Floats, Flags, Flags, Told]:
+    def step(self, actions: ArrayLike) -> tuple[Floats32, Floats, Flags, Flags, Told]:
         """Step all worlds with actions (worlds, size); errors are those of `FleetEnv.step`."""
         done = self.learner.step(actions)
         ended = done.terminated | done.truncated
@@ -140,7 +142,7 @@ def with_masks(told: Told, where: ArrayLike) -> Told:
     return {**told, **{f"_{name}": mask.copy() for name in told}}
 
 
-def objects(rows: Rows, where: Flags) -> NDArray[np.object_]:
+def objects(rows: Floats32, where: Flags) -> NDArray[np.object_]:
     """Rows as objects, None elsewhere."""
     found = np.full(len(rows), None, dtype=object)
     for k in np.flatnonzero(where):
@@ -156,5 +158,5 @@ def checked_mask(value: Any, n: int) -> Flags:
     """
     mask = np.asarray(value)
     if mask.dtype != bool or mask.shape != (n,) or not mask.any():
-        raise ValueError(f"reset_mask: {value!r}, wanted ({n},) bool, one at least True")
+        raise ValueError(f"reset_mask: got {value!r}, expected ({n},) bool, one at least True")
     return mask

@@ -11,7 +11,9 @@ from fgenv import _core
 from fgenv.robots import Drone, JointVelocity, MobileManipulator, Robot
 
 if TYPE_CHECKING:
-    from .simulator import Floats, Simulator
+    from fgenv.arrays import Floats
+
+    from .simulator import Simulator
 
 
 def way_points_toward(simulator: Simulator, targets: ArrayLike) -> Floats:
@@ -20,14 +22,14 @@ def way_points_toward(simulator: Simulator, targets: ArrayLike) -> Floats:
     Raises:
         ValueError: wrong shape, or a number that is not finite.
     """
-    wanted, q = np.asarray(targets, dtype=np.float64), simulator.configurations
-    if wanted.shape != q.shape:
-        raise ValueError(f"targets: shape {wanted.shape}, wanted {q.shape}")
-    if not np.isfinite(wanted).all():
-        raise ValueError("targets: wanted finite numbers")
+    expected, q = np.asarray(targets, dtype=np.float64), simulator.configurations
+    if expected.shape != q.shape:
+        raise ValueError(f"targets: shape {expected.shape}, expected {q.shape}")
+    if not np.isfinite(expected).all():
+        raise ValueError("targets: expected finite numbers")
     actions = np.zeros((simulator.n_worlds, simulator.n_robots, simulator.action_size))
     for i, robot in enumerate(simulator.robots):
-        ends = q[:, i, : robot.nq], wanted[:, i, : robot.nq]
+        ends = q[:, i, : robot.nq], expected[:, i, : robot.nq]
         own = way_point(robot, *ends, simulator.way_point_seconds)
         actions[:, i, : own.shape[1]] = own
     return actions

@@ -186,7 +186,7 @@ fgenv._core.Simulator.set_path$:
 fgenv._core.Simulator.toward$:
     def toward(self, targets: ArrayLike) -> NDArray[float64]: ...
 
-fgenv._core.Simulator.(configurations|goals|velocities|hit_points|hit_times|remaining|clearances|least_clearances|travelled|rewards)$:
+fgenv._core.Simulator.(configurations|goals|velocities|hit_points|hit_times|remaining|clearances|least_clearances|traveled|rewards)$:
     def \1(self) -> NDArray[float64]: ...
 
 fgenv._core.Simulator.(hits|hit_robots|masked)$:

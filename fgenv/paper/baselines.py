@@ -15,7 +15,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from fgenv.arrays import Floats
+
 TRIMESH: Any = trimesh  # parts of it have no annotations
 CROSS = -np.cross(np.eye(3)[:, None], np.eye(3)[None])  # CROSS[i] @ v = e_i x v
 SLACK = 1e-12  # of the size: rounding must not tell touching boxes apart
@@ -26,7 +27,7 @@ class Mesh(Protocol):
 
     @property
     def vertices(self) -> Floats:
-        """Vertices (n, 3), metres."""
+        """Vertices (n, 3), meters."""
 
     @property
     def faces(self) -> NDArray[np.int32]:
@@ -60,7 +61,7 @@ def boxes_overlap(
 ) -> NDArray[np.bool_]:
     """Whether boxes meet (...), by the 15 separating axes (Gottschalk, Lin, Manocha 1996).
 
-    All in a's frame: rotation (3, 3) of b, offset (..., 3) from a's centre to b's; half_a, half_b
+    All in a's frame: rotation (3, 3) of b, offset (..., 3) from a's center to b's; half_a, half_b
     (3,) are half sides. Touching counts.
     """
     crosses = (CROSS @ rotation).transpose(0, 2, 1).reshape(9, 3)
@@ -115,21 +116,21 @@ class Sphere:
     """The smallest sphere around each mesh."""
 
     def __init__(self, a: Mesh, b: Mesh) -> None:
-        (self._centre_a, radius_a), (self._centre_b, radius_b) = self._bound(a), self._bound(b)
+        (self._center_a, radius_a), (self._center_b, radius_b) = self._bound(a), self._bound(b)
         self._reach = radius_a + radius_b
         self.tests = 0
 
     @staticmethod
     def _bound(mesh: Mesh) -> tuple[Floats, float]:
-        """Centre (3,) and radius; the radius is measured again, so it holds every vertex."""
+        """Center (3,) and radius; the radius is measured again, so it holds every vertex."""
         points = np.asarray(hull(mesh).vertices)
-        centre, _ = TRIMESH.nsphere.minimum_nsphere(points)
-        return centre, float(np.linalg.norm(points - centre, axis=1).max())
+        center, _ = TRIMESH.nsphere.minimum_nsphere(points)
+        return center, float(np.linalg.norm(points - center, axis=1).max())
 
     def collides(self, Ta: Floats, Tb: Floats) -> bool:
         """One sphere against one sphere."""
         self.tests = 1
-        gap = move(Ta, self._centre_a) - move(Tb, self._centre_b)
+        gap = move(Ta, self._center_a) - move(Tb, self._center_b)
         return bool(gap @ gap <= self._reach * self._reach)
 
 
@@ -174,31 +175,31 @@ class Grid:
         self._filled = np.zeros(ijk.max(axis=0) + 1, bool)  # dense: one look-up a cell
         self._filled[tuple(ijk.T)] = True
         self._cell_b, origin_b, ijk = voxels(b, cells)
-        self._centres_b = origin_b + (ijk + 0.5) * self._cell_b
+        self._centers_b = origin_b + (ijk + 0.5) * self._cell_b
         self.tests = 0
 
     def collides(self, Ta: Floats, Tb: Floats) -> bool:
         """Cell boxes against cell boxes."""
         rotation = Ta[:3, :3].T @ Tb[:3, :3]
-        centres = move(Tb, self._centres_b) - Ta[:3, 3]
-        ijk, b = self._near(centres @ Ta[:3, :3] - self._origin_a, rotation)
-        offset = self._offset(centres @ Ta[:3, :3], b, ijk)
+        centers = move(Tb, self._centers_b) - Ta[:3, 3]
+        ijk, b = self._near(centers @ Ta[:3, :3] - self._origin_a, rotation)
+        offset = self._offset(centers @ Ta[:3, :3], b, ijk)
         half_a, half_b = np.full(3, 0.5 * self._cell_a), np.full(3, 0.5 * self._cell_b)
         hits = boxes_overlap(rotation, offset, half_a, half_b)
         hit = bool(hits.any())
         self.tests = int(hits.argmax()) + 1 if hit else len(hits)
         return hit
 
-    def _offset(self, centres: Floats, b: NDArray[np.int64], ijk: NDArray[np.int64]) -> Floats:
-        """From the centres of a's cells ijk (k, 3) to those of b's cells (k,), a's frame."""
-        return centres[b] - (self._origin_a + (ijk + 0.5) * self._cell_a)
+    def _offset(self, centers: Floats, b: NDArray[np.int64], ijk: NDArray[np.int64]) -> Floats:
+        """From the centers of a's cells ijk (k, 3) to those of b's cells (k,), a's frame."""
+        return centers[b] - (self._origin_a + (ijk + 0.5) * self._cell_a)
 
     def _near(
         self, places: Floats, rotation: Floats
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Pairs of cells to test: a's cells (k, 3) and the index of b's (k,).
 
-        `places` (n, 3) are the centres of b's cells from the grid's origin, in a's frame.
+        `places` (n, 3) are the centers of b's cells from the grid's origin, in a's frame.
         """
         reach = 0.5 * self._cell_b * np.abs(rotation).sum(axis=1) + SLACK * self._cell_b
         low = np.floor((places - reach) / self._cell_a).astype(np.int64)
@@ -214,7 +215,7 @@ class Grid:
 
 
 def voxels(mesh: Mesh, cells: int) -> tuple[float, Floats, NDArray[np.int64]]:
-    """Cell side (metres), origin (3,) and the cells (k, 3) that the surface meets, none left out.
+    """Cell side (meters), origin (3,) and the cells (k, 3) that the surface meets, none left out.
 
     `cells` along the longest side of the bounding box. Each triangle is tested against the cells
     of its bound by the other 10 of the 13 separating axes of Akenine-Moller (2001).

@@ -5,11 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from fgenv.agents import Experiment, Hit, PathFollower
 from fgenv.agents.events import Configuration
+from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
 from fgenv.collision.world import Record
 from fgenv.scenarios import Scene, bounds
@@ -31,8 +31,7 @@ from fgenv.view.figures.quantize import small
 from fgenv.view.figures.scene import close_up, placed, portrait, stage
 from fgenv.view.figures.surfaces import Solid
 
-Floats = NDArray[np.float64]
-LIFT = 0.01  # metres that lines on the floor are above it
+LIFT = 0.01  # meters that lines on the floor are above it
 PANEL = (640, 480)
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 BOX_EDGES = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]

@@ -14,7 +14,7 @@ Meshes are taken as given: repaired, with shared vertices. The definitions that 
   angle and give no feature points.
 - Angle (2.1). n = (P1 - P0) x (P2 - P0), made unit, for the face met first (n1) and the other
   (n2); <n1, n2> = atan2(|n1 x n2|, n1 . n2) in [0, pi]. A face of zero area has n = 0.
-- Valley or ridge (2.1). Valley if the neighbour's vertex off the edge lies above the face's plane,
+- Valley or ridge (2.1). Valley if the neighbor's vertex off the edge lies above the face's plane,
   (Q - A) . n1 > 0; otherwise ridge. Valley: theta = pi - <n1, n2>, a feature if
   theta < alpha_valley. Ridge: theta = pi + <n1, n2>, a feature if theta > alpha_ridge. A tie
   within ANGLE_TIE is no feature, so that rounding cannot decide on regular solids.
@@ -38,8 +38,8 @@ from math import ceil, pi
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from fgenv.arrays import Floats, Ints
+
 Bytes = NDArray[np.uint8]
 
 ALPHA_VALLEY = pi - pi / 6  # rad; features deviate from flat by more than 30 degrees
@@ -157,7 +157,7 @@ class Node:
 
     id: int
     name: str
-    vertices: Floats  # (n, 3) body frame, metres
+    vertices: Floats  # (n, 3) body frame, meters
     faces: Ints  # (m, 3)
     pose: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) body in world
     collision_mask: int = 0
@@ -215,7 +215,7 @@ def must_test(mover: Node, other: Node) -> bool:
 def depth_first(packed: Bytes, n: int) -> Iterator[tuple[int, int]]:
     """Each edge of the packed graph once, going on from the point just reached.
 
-    Neighbours are tried in rising order; with none left the walk turns back.
+    Neighbors are tried in rising order; with none left the walk turns back.
     """
     left = packed.copy()  # the edges not walked yet
     points = np.arange(n)
@@ -265,7 +265,7 @@ def collides(mover: Node, target: Node) -> bool:
 
 @dataclass(frozen=True)
 class Collision:
-    """What goes to the collision handler: the pair, the mover's position, the way gone (metres)."""
+    """What goes to the collision handler: the pair, the mover's position, the way gone (meters)."""
 
     mover: int  # ids
     other: int
@@ -279,7 +279,7 @@ def move(
     """The flow of figure 6: set masks, move along the path (k, 3), test, stop at a collision.
 
     The mover keeps its rotation and stays where it stopped; the path is tested every `step`
-    metres at most. Returns the first collision, or None at the goal. Masks are 0 afterwards.
+    meters at most. Returns the first collision, or None at the goal. Masks are 0 afterwards.
     """
     set_masks(model_list, mover, path)
     try:
@@ -295,7 +295,7 @@ def move(
 
 
 def positions(path: Floats, step: float) -> Iterator[tuple[Floats, float]]:
-    """Positions (3,) on the polyline, corners included, each with the way gone (metres)."""
+    """Positions (3,) on the polyline, corners included, each with the way gone (meters)."""
     yield path[0], 0.0
     gone = 0.0
     for start, end in pairwise(path):

@@ -23,7 +23,7 @@ def allowed(robot: Robot, given: Iterable[Sequence[str]]) -> Pairs:
     found: set[tuple[str, str]] = set()
     for names in given:
         if isinstance(names, str) or len(names) != 2:
-            raise ValueError(f"allowed: {names!r}, wanted pairs of names of links")
+            raise ValueError(f"allowed: got {names!r}, expected pairs of names of links")
         for name in names:
             if name not in known:
                 raise ValueError(f"allowed: {robot.name!r} has no link {name!r}")
@@ -57,7 +57,7 @@ def contacts(robot: Robot, q: ArrayLike) -> Pairs:
     """See `Robot.contacts`."""
     poses = robot.forward(q)
     if poses.ndim != 3:
-        raise ValueError(f"q: {poses.shape[:-3]} configurations, wanted one, ({robot.nq},)")
+        raise ValueError(f"q: {poses.shape[:-3]} configurations, expected one, ({robot.nq},)")
     at = [poses[part.link] @ part.origin for part in robot.parts]
     skipped = set(robot.allowed_parts)
     found: dict[tuple[str, str], None] = {}

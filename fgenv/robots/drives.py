@@ -44,14 +44,14 @@ class Drive(ABC):
                 continue
             name = f"{type(self).__name__}: {item.name}"
             if number_of(value, name, 0.0, finite=item.default != INF) == 0:
-                raise ValueError(f"{name}: 0, wanted a limit over 0")
+                raise ValueError(f"{name}: got 0, expected a limit over 0")
 
     def check(self, robot: Robot) -> None:
         """ValueError where this drive does not fit the robot, with the remedy."""
         if self.base is not None and robot.base != self.base:
             raise ValueError(
                 f"drive: {type(self).__name__} moves a {self.base} base, the base of"
-                f" {robot.name!r} is {robot.base}; wanted base={self.base!r}, or another drive"
+                f" {robot.name!r} is {robot.base}; expected base={self.base!r}, or another drive"
             )
 
     @abstractmethod
@@ -192,7 +192,7 @@ class JointVelocity(Drive):
         for action in self.actions(robot):
             if math.isinf(action.high):
                 raise ValueError(
-                    f"drive: joint {action.name!r} has no speed limit, wanted JointVelocity(speed=)"
+                    f"drive: joint {action.name!r} has no speed limit; give JointVelocity(speed=)"
                 )
 
     def actions(self, robot: Robot) -> tuple[Action, ...]:
@@ -216,14 +216,18 @@ class MobileManipulator(Drive):
     joints: JointVelocity = JointVelocity()
 
     def __post_init__(self) -> None:
-        for name, wanted in (("platform", Drive), ("joints", JointVelocity)):
+        for name, expected in (("platform", Drive), ("joints", JointVelocity)):
             value = getattr(self, name)
-            if not isinstance(value, wanted):
+            if not isinstance(value, expected):
                 kind = type(value).__name__
-                raise TypeError(f"MobileManipulator: {name}: {kind}, wanted a {wanted.__name__}")
+                raise TypeError(
+                    f"MobileManipulator: {name}: got {kind}, expected a {expected.__name__}"
+                )
         if self.platform.base is None:
             kind = type(self.platform).__name__
-            raise ValueError(f"MobileManipulator: platform: {kind}, wanted one that moves a base")
+            raise ValueError(
+                f"MobileManipulator: platform: got {kind}, expected one that moves a base"
+            )
 
     def check(self, robot: Robot) -> None:
         """ValueError where either part does not fit."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fgenv.arrays import Floats
 
 from .drives import Car, DifferentialDrive, Drive, Drone, Holonomic, MobileManipulator
 from .robot import Robot
-
-Floats = NDArray[np.float64]
 
 SLOW = 1e-9  # m: a car that moves less does not steer
 

@@ -12,7 +12,7 @@ def unique(names: Iterable[str], what: str) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise ValueError(f"{what} {name!r}: there are two of this name, wanted unique names")
+            raise ValueError(f"{what} {name!r}: there are two of this name, expected unique names")
         seen.add(name)
 
 
@@ -23,7 +23,7 @@ def in_order(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Link, ...]
         ValueError: no tree: unknown or repeated names, a link with two joints, a loop, two roots.
     """
     if not links:
-        raise ValueError("links: none, wanted at least one")
+        raise ValueError("links: none, expected at least one")
     unique((link.name for link in links), "link")
     unique((joint.name for joint in joints), "joint")
     by_name = {link.name: link for link in links}
@@ -36,13 +36,13 @@ def in_order(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Link, ...]
         if joint.child in carrier:
             raise ValueError(
                 f"link {joint.child!r} hangs on two joints, {carrier[joint.child].name!r} and"
-                f" {joint.name!r}; wanted a tree"
+                f" {joint.name!r}; expected a tree"
             )
         carrier[joint.child] = joint
         children[joint.parent].append(joint.child)
     roots = [name for name in by_name if name not in carrier]
     if len(roots) > 1:
-        raise ValueError(f"links {', '.join(map(repr, roots))} hang on no joint, wanted one root")
+        raise ValueError(f"links {', '.join(map(repr, roots))} hang on no joint, expected one root")
     order: list[str] = []
     waiting = roots[:]
     while waiting:
@@ -51,7 +51,7 @@ def in_order(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Link, ...]
         waiting += reversed(children[name])
     if len(order) < len(by_name):
         lost = next(name for name in by_name if name not in order)
-        raise ValueError(f"link {lost!r} is part of a loop of joints, wanted a tree")
+        raise ValueError(f"link {lost!r} is part of a loop of joints, expected a tree")
     return tuple(by_name[name] for name in order)
 
 

@@ -1,4 +1,4 @@
-"""Limits of configurations: what is within, and what a change of one is worth in metres."""
+"""Limits of configurations: what is within, and what a change of one is worth in meters."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Floats
+
 from .links_joints import LinkShape, locked
 
 if TYPE_CHECKING:
     from .robot import Robot
 
-Floats = NDArray[np.float64]
 
 BASES: dict[str, tuple[str, ...]] = {
     "fixed": (),
@@ -30,10 +31,12 @@ def checked_workspace(value: ArrayLike | None, base: str) -> Floats | None:
         return None
     if base == "fixed":
         raise ValueError("workspace: a fixed base has no position, leave it out")
-    wanted = (2, 2) if base == "planar" else (2, 3)
+    expected = (2, 2) if base == "planar" else (2, 3)
     box = np.array(value, dtype=np.float64)
-    if box.shape != wanted or not np.isfinite(box).all() or not (box[0] <= box[1]).all():
-        raise ValueError(f"workspace: {value!r}, wanted (low, high), {wanted}, finite metres")
+    if box.shape != expected or not np.isfinite(box).all() or not (box[0] <= box[1]).all():
+        raise ValueError(
+            f"workspace: got {value!r}, expected (low, high), {expected}, finite meters"
+        )
     return locked(box)
 
 
@@ -95,12 +98,12 @@ def clip(robot: Robot, q: ArrayLike) -> Floats:
     """Within the limits, angles as they are, quaternions of length 1."""
     x = configurations(robot, q)
     if np.isnan(x).any():
-        raise ValueError("q: NaN, wanted numbers")
+        raise ValueError("q: NaN, expected numbers")
     held = np.where(robot.endless, x, np.clip(x, robot.lower, robot.upper))
     if robot.base == "free":
         length = np.sqrt(squares(x[..., 3:7]))
         if not ((length > 0) & np.isfinite(length)).all():
-            raise ValueError("q: a quaternion of length 0 or infinite, wanted an orientation")
+            raise ValueError("q: a quaternion of length 0 or infinite, expected an orientation")
         held[..., 3:7] = x[..., 3:7] / length[..., None]
     return held
 
@@ -109,7 +112,7 @@ def configurations(robot: Robot, q: ArrayLike) -> Floats:
     """An array (..., nq)."""
     x = np.asarray(q, dtype=np.float64)
     if x.ndim == 0 or x.shape[-1] != robot.nq:
-        raise ValueError(f"q: shape {x.shape}, wanted (..., {robot.nq}), configurations")
+        raise ValueError(f"q: shape {x.shape}, expected (..., {robot.nq}), configurations")
     return x
 
 
@@ -129,7 +132,7 @@ def weights(robot: Robot) -> Floats:
 
 
 def reaches(robot: Robot) -> dict[str, float]:
-    """How far from each link's origin any point that it carries can get, metres."""
+    """How far from each link's origin any point that it carries can get, meters."""
     far = {link.name: max(map(radius, link.shapes), default=0.0) for link in robot.links}
     for link in reversed(robot.links[1:]):
         joint = robot.carriers[link.name]
@@ -143,7 +146,7 @@ def reaches(robot: Robot) -> dict[str, float]:
 
 
 def radius(placed: LinkShape) -> float:
-    """How far a shape gets from its link's origin, metres."""
+    """How far a shape gets from its link's origin, meters."""
     p, m = placed.shape.vertices, placed.origin
     x, y, z = (
         m[i, 0] * p[:, 0] + m[i, 1] * p[:, 1] + m[i, 2] * p[:, 2] + m[i, 3] for i in range(3)

@@ -10,26 +10,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.collision.feature_graph import is_number
 
-Pose = NDArray[np.float64]
-
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic")
-MOST = 1e5  # radians or metres: what a joint's value may be, either way
+MOST = 1e5  # radians or meters: what a joint's value may be, either way
 
 
-def as_pose(value: ArrayLike | None, name: str) -> Pose:
+def as_pose(value: ArrayLike | None, name: str) -> Floats:
     """A rigid motion (4, 4), read-only; the identity for None. ValueError says what is wrong."""
     pose = np.array(np.eye(4) if value is None else value, dtype=np.float64)
     if pose.shape != (4, 4):
-        raise ValueError(f"{name}: shape {pose.shape}, wanted a pose (4, 4)")
+        raise ValueError(f"{name}: shape {pose.shape}, expected a pose (4, 4)")
     if not np.isfinite(pose).all():
-        raise ValueError(f"{name}: not finite, wanted a pose")
+        raise ValueError(f"{name}: not finite, expected a pose")
     turn = pose[:3, :3]
     rigid = (pose[3] == (0, 0, 0, 1)).all() and np.linalg.det(turn) > 0
     if not rigid or np.abs(turn.T @ turn - np.eye(3)).max() > 1e-5:
-        raise ValueError(f"{name}: not a rigid motion, wanted rotation and translation alone")
+        raise ValueError(f"{name}: not a rigid motion, expected rotation and translation alone")
     return locked(pose)
 
 
@@ -42,7 +41,7 @@ def locked(array: NDArray[np.float64]) -> NDArray[np.float64]:
 def name_of(value: object, what: str) -> str:
     """A name that says something."""
     if not isinstance(value, str) or not value:
-        raise ValueError(f"{what}: {value!r}, wanted a name")
+        raise ValueError(f"{what}: got {value!r}, expected a name")
     return value
 
 
@@ -50,7 +49,9 @@ def number_of(value: Any, name: str, low: float = -math.inf, finite: bool = Fals
     """A number that is not NaN and not below `low`."""
     if not is_number(value) or math.isnan(value) or value < low or (finite and math.isinf(value)):
         least = "" if low == -math.inf else f", {low:g} or more"
-        raise ValueError(f"{name}: {value!r}, wanted a {'finite ' if finite else ''}number{least}")
+        raise ValueError(
+            f"{name}: got {value!r}, expected a {'finite ' if finite else ''}number{least}"
+        )
     return float(value)
 
 
@@ -60,18 +61,18 @@ class LinkShape:
 
     Attributes:
         shape: the mesh.
-        origin: (4, 4), from the shape's frame to the link's, metres.
-        excess: metres: where the mesh stands for a cylinder or sphere, it lies outside of it, at
+        origin: (4, 4), from the shape's frame to the link's, meters.
+        excess: meters: where the mesh stands for a cylinder or sphere, it lies outside of it, at
             most this far.
     """
 
     shape: Shape
-    origin: Pose = field(default_factory=lambda: np.eye(4))
+    origin: Floats = field(default_factory=lambda: np.eye(4))
     excess: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.shape, Shape):
-            raise TypeError(f"shape: {type(self.shape).__name__}, wanted a Shape")
+            raise TypeError(f"shape: got {type(self.shape).__name__}, expected a Shape")
         object.__setattr__(self, "origin", as_pose(self.origin, "origin"))
 
 
@@ -126,9 +127,9 @@ class Joint:
         name: unique in the robot.
         kind: `fixed`, `revolute` (bounded), `continuous` (turns without end) or `prismatic`.
         parent, child: names of links.
-        origin: (4, 4), the joint's frame in the parent's, metres; the child's at value 0.
+        origin: (4, 4), the joint's frame in the parent's, meters; the child's at value 0.
         axis: (3,), of any length but 0, in the joint's frame.
-        lower, upper: limits of the value, radians or metres; infinite where there are none. A
+        lower, upper: limits of the value, radians or meters; infinite where there are none. A
             `continuous` joint goes round and has none.
         velocity, acceleration: limits of the rate, per second and per second squared.
         mimic: follows another joint and has no value of its own.
@@ -138,7 +139,7 @@ class Joint:
     kind: str
     parent: str
     child: str
-    origin: Pose = field(default_factory=lambda: np.eye(4))
+    origin: Floats = field(default_factory=lambda: np.eye(4))
     axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     lower: float = -math.inf
     upper: float = math.inf
@@ -149,13 +150,15 @@ class Joint:
     def __post_init__(self) -> None:
         label = f"joint {name_of(self.name, 'joint')!r}"
         if self.kind not in JOINT_KINDS:
-            raise ValueError(f"{label}: kind {self.kind!r}, wanted one of {', '.join(JOINT_KINDS)}")
+            raise ValueError(
+                f"{label}: kind {self.kind!r}, expected one of {', '.join(JOINT_KINDS)}"
+            )
         name_of(self.parent, f"{label}: parent")
         name_of(self.child, f"{label}: child")
         object.__setattr__(self, "origin", as_pose(self.origin, f"{label}: origin"))
         axis = np.array(self.axis, dtype=np.float64)
         if axis.shape != (3,) or not np.isfinite(axis).all() or (self.moves and not axis.any()):
-            raise ValueError(f"{label}: axis {self.axis}, wanted three numbers, not all 0")
+            raise ValueError(f"{label}: axis {self.axis}, expected three numbers, not all 0")
         object.__setattr__(self, "axis", locked(axis))
         for what in ("lower", "upper"):
             number_of(getattr(self, what), f"{label}: {what}")

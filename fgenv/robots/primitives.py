@@ -1,7 +1,7 @@
 """Boxes, cylinders and spheres as meshes that lie outside of them.
 
 A verdict 'free' must not be wrong, so a round form is enclosed, never inscribed. All lengths are
-metres, all meshes closed. Sines come from the native core: the same mesh on every machine.
+meters, all meshes closed. Sines come from the native core: the same mesh on every machine.
 """
 
 from __future__ import annotations
@@ -13,24 +13,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
+from fgenv.arrays import Faces, Vertices
 from fgenv.collision import Shape
 
 from .links_joints import number_of
 
-ERROR = 1e-3  # metres
+ERROR = 1e-3  # meters
 FEWEST_SIDES, MOST_SIDES = 8, 256  # of a cylinder
 MOST_HALVINGS = 5  # of an icosahedron's edges: 80 to 20,480 faces
 OUTWARD = 1 + 1e-12  # more than rounding takes back
-
-Vertices = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 
 def box(size: ArrayLike, name: str = "box", **options: Any) -> Shape:
     """A box with edges (3,) along the axes, its middle at the origin; `options` of Shape."""
     edges = np.array(size, dtype=np.float64)
     if edges.shape != (3,) or not (np.isfinite(edges).all() and (edges > 0).all()):
-        raise ValueError(f"{name}: size {size!r}, wanted three lengths over 0")
+        raise ValueError(f"{name}: size {size!r}, expected three lengths over 0")
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
@@ -95,7 +93,7 @@ def sphere(
 def _length(value: float, name: str) -> float:
     length = number_of(value, name, finite=True)
     if length <= 0:
-        raise ValueError(f"{name}: {value!r}, wanted metres, over 0")
+        raise ValueError(f"{name}: got {value!r}, expected meters, over 0")
     return length
 
 

@@ -12,25 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 
 from . import allowed_collisions, limits
 from .drives import Action, Drive
 from .kinematic_tree import in_order, leader
-from .links_joints import (
-    JOINT_KINDS,
-    Joint,
-    Link,
-    LinkShape,
-    Pose,
-    as_pose,
-    locked,
-    name_of,
-    number_of,
-)
+from .links_joints import JOINT_KINDS, Joint, Link, LinkShape, as_pose, locked, name_of, number_of
 from .primitives import ERROR
-
-Floats = NDArray[np.float64]
 
 KINDS = {kind: code for code, kind in enumerate((*JOINT_KINDS, "planar", "free"))}
 
@@ -40,17 +29,17 @@ class Part(NamedTuple):
 
     link: int
     shape: Shape
-    origin: Pose  # in the link's frame
+    origin: Floats  # in the link's frame
 
 
 class LinkMotion(NamedTuple):
     """How a link moves on the way between two configurations; see `Robot.link_motion`."""
 
     pose: Floats  # (..., 4, 4)
-    velocity: Floats  # (..., 3), of the link's origin, metres per unit of t
+    velocity: Floats  # (..., 3), of the link's origin, meters per unit of t
     angular_velocity: Floats  # (..., 3), radians per unit of t
     acceleration_at_origin: Floats  # (...), at most
-    acceleration_by_radius: Floats  # (...), more for each metre from the origin, at most
+    acceleration_by_radius: Floats  # (...), more for each meter from the origin, at most
     turn: Floats  # (...), radians over the whole motion, at most
 
 
@@ -60,7 +49,7 @@ class Robot:
 
     A configuration is a vector (nq,): the base's coordinates (`planar`: x, y, yaw; `free`: x, y, z,
     qx, qy, qz, qw, as OMPL's SE2 and SE3), then one for each joint that has a value of its own, in
-    the order of `joints`. Metres, radians. All methods take arrays of them, (..., nq).
+    the order of `joints`. Meters, radians. All methods take arrays of them, (..., nq).
 
     Args:
         name: for messages.
@@ -70,19 +59,19 @@ class Robot:
         mount: (4, 4), the base's frame in the world: where the root is with the base at 0.
         drive: what an action means; None: it is moved by configurations alone.
         workspace: bounds of the base's position: (low, high), (2, 2) for `planar`, (2, 3) for
-            `free`, metres; infinite if left out.
+            `free`, meters; infinite if left out.
         allowed: pairs of links whose contact is no collision. Pairs that are joined, and pairs
             that never move against each other, are added.
 
     Raises:
-        ValueError, TypeError: naming what is wrong and what is wanted.
+        ValueError, TypeError: naming what is wrong and what is expected.
     """
 
     name: str
     links: Sequence[Link]
     joints: Sequence[Joint] = ()
     base: str = "fixed"
-    mount: Pose = field(default_factory=lambda: np.eye(4))
+    mount: Floats = field(default_factory=lambda: np.eye(4))
     drive: Drive | None = None
     workspace: Floats | None = None
     allowed: Sequence[tuple[str, str]] = ()
@@ -91,7 +80,7 @@ class Robot:
         put = object.__setattr__
         name_of(self.name, "name")
         if self.base not in limits.BASES:
-            raise ValueError(f"base: {self.base!r}, wanted one of {', '.join(limits.BASES)}")
+            raise ValueError(f"base: got {self.base!r}, expected one of {', '.join(limits.BASES)}")
         put(self, "joints", tuple(self.joints))
         put(self, "links", in_order(tuple(self.links), self.joints))
         put(self, "mount", as_pose(self.mount, "mount"))
@@ -100,7 +89,7 @@ class Robot:
         _ = self._core  # what is wrong with the joints is told here
         if self.drive is not None:
             if not isinstance(self.drive, Drive):
-                raise TypeError(f"drive: {type(self.drive).__name__}, wanted a Drive")
+                raise TypeError(f"drive: got {type(self.drive).__name__}, expected a Drive")
             self.drive.check(self)
 
     @classmethod
@@ -120,7 +109,7 @@ class Robot:
 
         Args:
             mesh: a file that `Shape.load` reads, or a Shape.
-            scale: factor to metres, for a file.
+            scale: factor to meters, for a file.
             origin: (4, 4), from the mesh's frame to the robot's.
             name: that of the mesh if left out.
             base, drive, mount, workspace: see `Robot`.
@@ -162,7 +151,7 @@ class Robot:
                 packages; then ROS_PACKAGE_PATH and the folders above the file.
             srdf: a file with pairs of links whose collisions are disabled.
             scale: factor of all lengths.
-            error: metres that the mesh of a cylinder or sphere, which encloses it, may stick out.
+            error: meters that the mesh of a cylinder or sphere, which encloses it, may stick out.
             method, tolerance: of the shapes, see `Shape`.
             name: the file's if left out.
             base, drive, mount, workspace: see `Robot`.
@@ -170,12 +159,12 @@ class Robot:
         Raises:
             FileNotFoundError: the file, or a mesh that it names: says where it was looked for.
             ModuleNotFoundError: yourdfpy is not installed.
-            ValueError: naming file, line or link, what came and what is wanted.
+            ValueError: naming file, line or link, what came and what is expected.
         """
         from .urdf import Reader, allowed_in
 
         if number_of(scale, "scale", 0.0, finite=True) == 0:
-            raise ValueError("scale: 0, wanted a factor over 0")
+            raise ValueError("scale: got 0, expected a factor over 0")
         folders = [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
         options = {"method": method, "tolerance": tolerance}
         reader = Reader(Path(path), [Path(f) for f in folders], collision, scale, error, options)
@@ -253,7 +242,7 @@ class Robot:
 
     @cached_property
     def weights(self) -> Floats:
-        """How far a change moves the robot, (nq,), at most: metres for each radian or metre.
+        """How far a change moves the robot, (nq,), at most: meters for each radian or meter.
 
         1 for positions; for an angle, the distance of the farthest point that it can move. All four
         of a quaternion are that of its angle.
@@ -292,7 +281,7 @@ class Robot:
         return self._core.interpolate(q0, q1, t, threads)
 
     def distance(self, q0: ArrayLike, q1: ArrayLike) -> Any:
-        """Metres that no point of the robot exceeds on the way from q0 to q1: `weights` used."""
+        """Meters that no point of the robot exceeds on the way from q0 to q1: `weights` used."""
         return self._core.distance(q0, q1, self.weights)
 
     @property

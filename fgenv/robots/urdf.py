@@ -19,11 +19,12 @@ from xml.etree import ElementTree
 import numpy as np
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
-from .links_joints import JOINT_KINDS, Joint, Link, LinkShape, Mimic, Pose, number_of
+from .links_joints import JOINT_KINDS, Joint, Link, LinkShape, Mimic, number_of
 
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
 
@@ -36,7 +37,7 @@ class Reader:
     package_dirs: Sequence[Path]
     collision: bool
     scale: float
-    error: float  # metres, of cylinders and spheres
+    error: float  # meters, of cylinders and spheres
     shape_options: dict[str, Any]  # of Shape
     meshes: dict[tuple[Any, ...], Shape] = field(default_factory=dict)
 
@@ -82,7 +83,7 @@ class Reader:
         names = joint.name, joint.type, joint.parent, joint.child
         return Joint(*names, origin, axis, lower, upper, velocity, mimic=mimic)
 
-    def _origin(self, text: Any) -> Pose:
+    def _origin(self, text: Any) -> Floats:
         """The pose that an element's <origin> says."""
         origin = text.find("origin")
         if origin is None:
@@ -116,7 +117,7 @@ class Reader:
         if key not in self.meshes:
             if not (np.isfinite(scale) & (scale != 0)).all():
                 raise ValueError(
-                    f"{self.path}: link {link!r}: mesh scale {mesh.scale}, wanted numbers but 0"
+                    f"{self.path}: link {link!r}: mesh scale {mesh.scale}, expected numbers but 0"
                 )
             vertices, faces = read_mesh_file(file)
             if np.prod(scale) < 0:
@@ -144,7 +145,7 @@ class Reader:
 
 
 def unit_of(file: Path) -> float:
-    """Metres in a unit of a mesh file, where the file says that: COLLADA."""
+    """Meters in a unit of a mesh file, where the file says that: COLLADA."""
     if file.suffix.lower() == ".dae":
         for _, element in ElementTree.iterparse(file):
             if element.tag.endswith("}unit"):
@@ -175,7 +176,7 @@ def places(name: str, urdf: Path, package_dirs: Iterable[Path]) -> Iterable[Path
         yield folder / package / rest
 
 
-def rotation(rpy: Sequence[float]) -> Pose:
+def rotation(rpy: Sequence[float]) -> Floats:
     """Roll, pitch, yaw (rad) about fixed x, y, z, as a pose (4, 4)."""
     sines, cosines = _core.sin_cos(rpy)
     (sr, sp, sy), (cr, cp, cy) = sines.tolist(), cosines.tolist()
@@ -190,7 +191,7 @@ def parsed(path: Path) -> Any:
     """The root element, without what has an unknown prefix; other faults in the XML are errors."""
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "does not exist"
-        raise FileNotFoundError(f"path: {path} {what}, wanted a URDF file")
+        raise FileNotFoundError(f"path: {path} {what}, expected a URDF file")
     if path.suffix == ".xacro":
         raise ValueError(f"path: {path} is a xacro file, expand it first: xacro FILE > robot.urdf")
     try:
@@ -205,13 +206,13 @@ def parsed(path: Path) -> Any:
     try:
         root = etree.parse(str(path), parser).getroot()
     except etree.XMLSyntaxError as error:  # nothing to recover
-        raise ValueError(f"path: {path}: {error.msg}, wanted a URDF file") from None
+        raise ValueError(f"path: {path}: got {error.msg}, expected a URDF file") from None
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
-            raise ValueError(f"path: {path}: line {fault.line}: {fault.message}, wanted XML")
+            raise ValueError(f"path: {path}: line {fault.line}: got {fault.message}, expected XML")
     if root is None or root.tag != "robot":
         came = "nothing" if root is None else f"<{root.tag}>"
-        raise ValueError(f"path: {path} holds {came}, wanted a URDF file: <robot>")
+        raise ValueError(f"path: {path} holds {came}, expected a URDF file: <robot>")
     for element in list(root.iter()):  # as xmlns declares one, a name is {uri}name
         if isinstance(element.tag, str) and ":" in element.tag and "{" not in element.tag:
             element.getparent().remove(element)
@@ -228,7 +229,7 @@ def check(document: Any, path: Path) -> None:
 
     for element in (document, *document.findall("link"), *document.findall("joint")):
         if not element.get("name"):
-            fail(element, f"<{element.tag}> has no name, wanted name=")
+            fail(element, f"<{element.tag}> has no name, expected name=")
     for origin in document.iter("origin"):
         _numbers(origin, "rpy", path)
         _numbers(origin, "xyz", path)
@@ -238,10 +239,10 @@ def check(document: Any, path: Path) -> None:
             base = "free" if kind == "floating" else "planar"
             fail(joint, f"joint {name!r} is {kind}: begin at its child, with base={base!r}")
         if kind not in JOINT_KINDS:
-            fail(joint, f"joint {name!r}: type {kind!r}, wanted one of {', '.join(JOINT_KINDS)}")
+            fail(joint, f"joint {name!r}: type {kind!r}, expected one of {', '.join(JOINT_KINDS)}")
         for end in ("parent", "child"):
             if joint.find(end) is None or not joint.find(end).get("link"):
-                fail(joint, f"joint {name!r} has no {end}, wanted <{end} link=>")
+                fail(joint, f"joint {name!r} has no {end}, expected <{end} link=>")
     for link in document.findall("link"):
         for item in (*link.findall("collision"), *link.findall("visual")):
             geometry = item.find("geometry")
@@ -249,7 +250,7 @@ def check(document: Any, path: Path) -> None:
             if len(inside) != 1 or inside[0] not in GEOMETRIES:
                 what = ", ".join(map(str, inside)) or "nothing"
                 label = f"link {link.get('name')!r}: {item.tag}"
-                fail(item, f"{label} geometry is {what}, wanted one of {', '.join(GEOMETRIES)}")
+                fail(item, f"{label} geometry is {what}, expected one of {', '.join(GEOMETRIES)}")
             if inside == ["mesh"] and not geometry[0].get("filename"):
                 fail(item, f"link {link.get('name')!r}: mesh without filename")
 
@@ -258,13 +259,13 @@ def allowed_in(srdf: str | Path, links: Iterable[Link]) -> list[tuple[str, str]]
     """Pairs of links whose collisions an SRDF file disables; pairs of others are passed by."""
     path = Path(srdf)
     if not path.is_file():
-        raise FileNotFoundError(f"srdf: {path} does not exist, wanted an SRDF file")
+        raise FileNotFoundError(f"srdf: {path} does not exist, expected an SRDF file")
     try:
         root = ElementTree.parse(path).getroot()
     except ElementTree.ParseError as error:
-        raise ValueError(f"srdf: {path}: {error}, wanted XML") from None
+        raise ValueError(f"srdf: {path}: got {error}, expected XML") from None
     if root.tag != "robot":
-        raise ValueError(f"srdf: {path} holds <{root.tag}>, wanted an SRDF file: <robot>")
+        raise ValueError(f"srdf: {path} holds <{root.tag}>, expected an SRDF file: <robot>")
     known = {link.name for link in links}
     pairs = [(e.get("link1", ""), e.get("link2", "")) for e in root.iter("disable_collisions")]
     return [pair for pair in pairs if known.issuperset(pair)]
@@ -278,7 +279,7 @@ def _loaded(document: Any, path: Path) -> Any:
     try:
         return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy raises whatever its parts raise
-        raise ValueError(f"path: {path} cannot be read ({error}), wanted a URDF file") from error
+        raise ValueError(f"path: {path} cannot be read ({error}), expected a URDF file") from error
 
 
 def _numbers(element: Any, what: str, path: Path) -> list[float]:
@@ -288,5 +289,5 @@ def _numbers(element: Any, what: str, path: Path) -> list[float]:
         x, y, z = (number_of(float(word), what, finite=True) for word in text.split())
     except ValueError:
         where = f"{path}: line {element.sourceline}: origin: {what}"
-        raise ValueError(f"{where} {text!r}, wanted three numbers") from None
+        raise ValueError(f"{where} {text!r}, expected three numbers") from None
     return [x, y, z]

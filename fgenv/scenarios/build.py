@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.robots import Robot
-
-from .se2 import Floats
 
 if TYPE_CHECKING:
     from .schema import Model, RobotSpec, Scenario

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from fgenv import robots
-from fgenv.scenarios.shapes.base import Spec, metres, quantity
+from fgenv.scenarios.shapes.base import Spec, meters, quantity
 
 
 def limit(unit: str, about: str, default: Any = ...) -> Any:
@@ -54,8 +54,8 @@ class Car(DriveSpec):
 
     made = robots.Car
     kind: Literal["car"]
-    wheelbase: float = metres("Between the axles")
-    min_turning_radius: float = metres("Of the circle that the origin goes on")
+    wheelbase: float = meters("Between the axles")
+    min_turning_radius: float = meters("Of the circle that the origin goes on")
     speed: float = limit("m/s", "Forwards")
     acceleration: float | None = limit("m/s^2", "Change of speed", None)
     steering_rate: float | None = limit("rad/s", "Change of the steering angle", None)
@@ -106,7 +106,7 @@ class Lidar(Spec):
     """Rays from a point of the robot's root, spread evenly; hits are on the exact meshes."""
 
     rays: int = Field(default=12, ge=1, le=100_000, strict=True, description="Rays in a row")
-    range: float = metres("How far a ray reaches", 5.0)
+    range: float = meters("How far a ray reaches", 5.0)
     field_of_view: float = quantity(
         "rad", "Of a row, about x ahead; 2 pi goes round", 2 * math.pi, gt=0, le=6.283185307179587
     )

@@ -15,7 +15,7 @@ class Problem:
     """One thing that is wrong.
 
     Attributes:
-        text: what came and what is wanted.
+        text: what came and what is expected.
         remedy: what to do.
         where: the place in the file, such as robots[3].start.
         line: of the file, from 1.
@@ -64,4 +64,4 @@ def near(word: object, known: Iterable[str]) -> str:
     if close:
         return f"did you mean {' or '.join(map(repr, close))}?"
     shown = ", ".join(names[:30]) + (", ..." if len(names) > 30 else "")
-    return f"wanted one of: {shown}" if names else "there are none"
+    return f"expected one of: {shown}" if names else "there are none"

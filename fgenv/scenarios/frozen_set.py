@@ -1,7 +1,7 @@
 """Frozen evaluation sets: many cases of one scenario, the same for everybody, known by a hash.
 
 A set keeps what differs from case to case: starts, goals and where bodies stand, as whole numbers
-of a micrometre or microradian (`int32`), and one scenario as a template for all the rest. Its id is
+of a micrometer or microradian (`int32`), and one scenario as a template for all the rest. Its id is
 the SHA-256 of these numbers, little-endian, and of the template's JSON: the same on any machine,
 whatever packed the file. A set stays readable when a generator changes.
 """
@@ -19,14 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Ints32
+
 from .errors import Problem, ScenarioError
 from .schema import Scenario
 
 FORMAT = "fgenv frozen set 1"
 MOST = 100_000  # cases
 CASES, SEED = 500, 1_000_000  # a seed far from those that people train with
-SCALE = 1e6  # numbers in a metre or radian
-Numbers = NDArray[np.int32]
+SCALE = 1e6  # numbers in a meter or radian
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +45,9 @@ class FrozenSet:
 
     template: Scenario
     seeds: NDArray[np.int64]
-    starts: Numbers
-    goals: Numbers
-    bodies: Numbers
+    starts: Ints32
+    goals: Ints32
+    bodies: Ints32
 
     def __len__(self) -> int:
         return len(self.seeds)
@@ -125,7 +126,7 @@ def frozen(
     found = opened(Path(source)) if is_file else made(str(source), cases, seed, overrides, progress)
     if id is not None and not found.id.startswith(id):
         raise ScenarioError(
-            source, [Problem(f"has id {found.id}, wanted {id}", "get the set meant")]
+            source, [Problem(f"has id {found.id}, expected {id}", "get the set meant")]
         )
     return found
 
@@ -139,7 +140,7 @@ def made(
 ) -> FrozenSet:
     """Generate the cases; each is checked by its generator."""
     if not 1 <= cases <= MOST:
-        raise ValueError(f"cases: {cases}, wanted 1 to {MOST}")
+        raise ValueError(f"cases: got {cases}, expected 1 to {MOST}")
     every = []
     for i in range(cases):
         every.append(Scenario.load(name, seed=seed + i, **overrides))

@@ -56,7 +56,7 @@ def understood(document: Document) -> Reading:
     data = document.data
     if not isinstance(data, dict):
         came = "nothing" if data is None else type(data).__name__
-        told = Problem(f"holds {came}, wanted a scenario", "begin with version: 1", line=1)
+        told = Problem(f"holds {came}, expected a scenario", "begin with version: 1", line=1)
         reading.problems.append(told)
         return reading
     lists = ((top, data.get(top)) for top in ITEMS)
@@ -113,12 +113,12 @@ def said(error: Any) -> tuple[str, str]:
         tags = [tag.strip(" '") for tag in context["expected_tags"].split(",")]
         return f"kind {context['tag']!r} is unknown", near(context["tag"], tags)
     if kind == "literal_error":
-        wanted = [w.strip(" '") for w in context["expected"].replace(" or ", ",").split(",")]
-        return f"is {short(error['input'])}", near(error["input"], wanted)
+        expected = [w.strip(" '") for w in context["expected"].replace(" or ", ",").split(",")]
+        return f"is {short(error['input'])}", near(error["input"], expected)
     if kind == "value_error":
         return str(context["error"]), about
-    wanted = error["msg"].replace("Input should", "should")
-    return f"is {short(error['input'])}, {wanted[:1].lower()}{wanted[1:]}", about
+    expected = error["msg"].replace("Input should", "should")
+    return f"is {short(error['input'])}, {expected[:1].lower()}{expected[1:]}", about
 
 
 def short(value: Any) -> str:

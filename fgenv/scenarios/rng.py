@@ -1,7 +1,7 @@
 """Random numbers that are the same on every machine and with every NumPy.
 
 NumPy promises the raw bits of PCG64 for good, but not what `Generator` makes of them. Numbers that
-go into a scenario are rounded to a micrometre or a microradian: short in a file, exact in a frozen
+go into a scenario are rounded to a micrometer or a microradian: short in a file, exact in a frozen
 set, and without trace of the last bits.
 """
 
@@ -19,7 +19,7 @@ MICRO = 6  # decimals
 
 
 def micro(value: float) -> float:
-    """Rounded to a micrometre or a microradian, and no -0."""
+    """Rounded to a micrometer or a microradian, and no -0."""
     return round(float(value), MICRO) + 0.0
 
 

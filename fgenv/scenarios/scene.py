@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import Record
-from fgenv.scenarios.se2 import Floats, as_poses
+from fgenv.scenarios.se2 import as_poses
 
 Configuration = tuple[float, float, float]  # x, y (m), yaw (rad)
 
@@ -45,7 +46,7 @@ class Scene:
 
 
 def bounds(record: Record) -> Floats:
-    """The axis-aligned box of a body where it stands, (2, 3) metres: least, greatest."""
+    """The axis-aligned box of a body where it stands, (2, 3) meters: least, greatest."""
     points = record.shape.vertices @ record.pose[:3, :3].T + record.pose[:3, 3]
     return np.stack([points.min(axis=0), points.max(axis=0)])
 

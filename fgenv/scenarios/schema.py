@@ -1,6 +1,6 @@
 """Scenarios as files: what is in one, with units. `Scenario.load` and `.save`, `.build()`.
 
-Metres, seconds, radians, right-handed, z up. A configuration is that of `fgenv.robots.Robot`:
+Meters, seconds, radians, right-handed, z up. A configuration is that of `fgenv.robots.Robot`:
 planar x, y, yaw; free x, y, z, qx, qy, qz, qw; then one number for each joint.
 """
 
@@ -19,8 +19,9 @@ from fgenv.scenarios.shapes.bodies import AnyForm
 from .drive_specs import AnyDrive, Lidar
 
 if TYPE_CHECKING:
+    from fgenv.arrays import Floats
+
     from .build import Built
-    from .se2 import Floats
 
 VERSION = 1
 Coordinate = Annotated[float, quantity("m or rad", "Coordinate", ge=-1e6, le=1e6)]

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from fgenv.arrays import Floats
 
 
 def as_poses(configurations: ArrayLike, height: float = 0.0) -> Floats:
-    """Poses (..., 4, 4) of configurations (..., 3): x, y in metres, yaw in radians about z.
+    """Poses (..., 4, 4) of configurations (..., 3): x, y in meters, yaw in radians about z.
 
-    `height` is the z of the body's origin in metres.
+    `height` is the z of the body's origin in meters.
     """
     q = np.asarray(configurations, dtype=np.float64)
     if q.shape[-1:] != (3,):
@@ -27,7 +27,7 @@ def as_path(path: ArrayLike) -> Floats:
     """A path (n, 3) of configurations, n >= 2, its yaw made continuous.
 
     Between two configurations x, y and yaw run linearly, yaw the short way round, as in OMPL's
-    SE2; after this call the difference of neighbours is the turn itself.
+    SE2; after this call the difference of neighbors is the turn itself.
     Raises ValueError for another shape, fewer than two configurations, NaN or infinity.
     """
     q = np.array(path, dtype=np.float64)
@@ -40,12 +40,12 @@ def as_path(path: ArrayLike) -> Floats:
 
 
 def reach(vertices: Floats) -> float:
-    """Metres from a body's z axis to its farthest vertex: what a turn of one radian moves."""
+    """Meters from a body's z axis to its farthest vertex: what a turn of one radian moves."""
     return float(np.hypot(vertices[:, 0], vertices[:, 1]).max())
 
 
 def travel(path: Floats, radius: float) -> Floats:
-    """For each leg of a path (n, 3): metres (n - 1,) that no point of the body moves beyond.
+    """For each leg of a path (n, 3): meters (n - 1,) that no point of the body moves beyond.
 
     The body's points lie within `radius` of its z axis (see `reach`).
     """
@@ -63,5 +63,5 @@ def cut(path: Floats, pieces: NDArray[np.int64]) -> Floats:
 
 
 def refine(path: Floats, radius: float, step: float) -> Floats:
-    """A path cut so that no point of the body moves more than `step` metres in a leg."""
+    """A path cut so that no point of the body moves more than `step` meters in a leg."""
     return cut(path, np.maximum(1, np.ceil(travel(path, radius) / step)).astype(np.int64))

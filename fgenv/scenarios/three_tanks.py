@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.scenarios.meshes.three_tanks import mobile_robot, tank
 from fgenv.scenarios.scene import Scene, in_contact
-from fgenv.scenarios.se2 import Floats, as_poses
+from fgenv.scenarios.se2 import as_poses
 
 START = (0.0, 0.0, float(np.arctan2(5.0, 8.0)))
 GOAL = (8.0, 5.0, float(np.arctan2(5.0, 8.0)))
@@ -50,7 +51,7 @@ def three_tanks(
 
 def _too_big(mesh: str | Path | None, size: Floats, why: str) -> str:
     sides = " x ".join(f"{side:.3g}" for side in size)
-    return f"mesh {mesh}: a robot of {sides} m {why}; scale it down (0.001 if drawn in millimetres)"
+    return f"mesh {mesh}: a robot of {sides} m {why}; scale it down (0.001 if drawn in millimeters)"
 
 
 def _builtin(method: str) -> Shape:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.robots import Robot
 from fgenv.scenarios.shapes.bodies import MeshFile
 
 from .build import ROBOTS, STATIC, Built, assembled, model_of, robot_of
 from .errors import Location, Problem, near, path_text
-from .se2 import Floats
 
 if TYPE_CHECKING:
     from .schema import Body, RobotSpec, Scenario
@@ -163,7 +163,7 @@ def configurations(scenario: Scenario, i: int, robot: Robot) -> Iterator[Found]:
     for end in ENDS:
         q, place = np.array(getattr(scenario.robots[i], end)), ("robots", i, end)
         if len(q) != robot.nq:
-            told = f"has {len(q)} numbers, wanted {robot.nq}: {', '.join(robot.coordinates)}"
+            told = f"has {len(q)} numbers, expected {robot.nq}: {', '.join(robot.coordinates)}"
             yield Found(place, told, "write one for each")
         elif not robot.valid(q):
             yield from _beyond(place, robot, q)
@@ -185,7 +185,7 @@ def _beyond(place: Location, robot: Robot, q: Floats) -> Iterator[Found]:
     if abs(size - 1.0) > 1e-6:
         yield Found(
             place,
-            f"its quaternion has length {size:g}, wanted 1",
+            f"its quaternion has length {size:g}, expected 1",
             "qx, qy, qz, qw = 0, 0, 0, 1 is level",
         )
 

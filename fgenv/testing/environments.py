@@ -56,7 +56,7 @@ def official(env: Any, steps: int) -> None:
             check_env(env.unwrapped, skip_render_check=True)
         else:
             kind = type(env).__name__
-            raise TypeError(f"make: made a {kind}, wanted a ParallelEnv or a gymnasium.Env")
+            raise TypeError(f"make: made a {kind}, expected a ParallelEnv or a gymnasium.Env")
 
 
 def action(env: Any, rng: np.random.Generator) -> Any:
@@ -120,11 +120,11 @@ def bad_is_refused(env: Any) -> None:
     rng = np.random.default_rng(SEED)
     env.reset(seed=SEED)
     good = action(env, rng)
-    wanted = env.step(good)
+    expected = env.step(good)
     env.reset(seed=SEED)
     for what, bad in bad_ones(good):
         refuses(lambda: env.step(bad), ValueError, what)  # noqa: B023
-    require(same(wanted, env.step(good)), "a bad action has changed the environment")
+    require(same(expected, env.step(good)), "a bad action has changed the environment")
 
 
 def bad_ones(good: Any) -> list[tuple[str, Any]]:

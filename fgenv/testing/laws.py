@@ -48,5 +48,5 @@ def refuses(call: Callable[[], Any], error: type[Exception], what: str) -> None:
         return
     except Exception as raised:
         name = type(raised).__name__
-        raise AssertionError(f"{what}: {name} ({raised}), wanted {error.__name__}") from raised
-    raise AssertionError(f"{what}: taken, wanted {error.__name__}")
+        raise AssertionError(f"{what}: {name} ({raised}), expected {error.__name__}") from raised
+    raise AssertionError(f"{what}: taken, expected {error.__name__}")

@@ -16,7 +16,7 @@ class Meeting:
 
     Attributes:
         begin, end: seconds.
-        point: of the first contact, world, metres.
+        point: of the first contact, world, meters.
     """
 
     robot: int

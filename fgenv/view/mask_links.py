@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.envs import Record
 from fgenv.robots import Robot
 from fgenv.scenarios import Built
-from fgenv.view.figures.surfaces import Floats
 
 GONE = 2  # of a record's status
 AHEAD = 1.0  # seconds
@@ -34,7 +34,7 @@ def present(record: Record, step: int) -> list[int]:
 
 
 def world_at(record: Record, built: Built, step: int, masks: bool = True) -> World:
-    """Everything where it was after a step of a record, with masks set if wanted."""
+    """Everything where it was after a step of a record, with masks set if expected."""
     q, here = record["configurations"], present(record, step)
     rows = [q[step, i, : robot.nq] for i, robot in enumerate(built.robots)]
     world = built.world(rows)

@@ -14,14 +14,13 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.ompl.objectives import objective_of
 from fgenv.planners.ompl.plugin import Setup, setup
 from fgenv.planners.problem import Problem
 from fgenv.planners.steering import legs
-
-Floats = NDArray[np.float64]
 
 PLANNERS = (
     "RRT", "RRTConnect", "RRTstar", "InformedRRTstar", "SORRTstar", "AORRTC", "BITstar",
@@ -98,10 +97,10 @@ def composite(
     if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
         raise ValueError(
             f"objective: {objective!r} blocks {planner}, whose second thread asks for it;"
-            " wanted 'length', or another planner"
+            " expected 'length', or another planner"
         )
     if not 0 < time_limit < math.inf:
-        raise ValueError(f"time_limit: {time_limit}, wanted finite seconds over 0")
+        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
     which = tuple(range(len(problem.names)) if which is None else which)
     began = time.perf_counter()
     level = ou.getLogLevel()

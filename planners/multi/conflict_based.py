@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.roadmap.motion_table import Floats
 from fgenv.planners.sipp.dynamic_obstacles import Timed
 from fgenv.planners.sipp.sipp import Effort
 
@@ -55,7 +55,7 @@ def conflict_based(
             in the best node, for others to go on from. Or starts or goals are in collision.
     """
     if not suboptimality >= 1.0:
-        raise ValueError(f"suboptimality: {suboptimality}, wanted 1 or more")
+        raise ValueError(f"suboptimality: got {suboptimality}, expected 1 or more")
     effort = Effort(time.monotonic() + time_limit)
     tables = tables or Tables(problem)
     tables.check()

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fgenv.planners.roadmap.motion_table import GONE, Ints
+from fgenv.arrays import Ints
+from fgenv.planners.roadmap.motion_table import GONE
 from fgenv.planners.roadmap.roadmap import INF
 from fgenv.planners.sipp.sipp import Action, Track
 

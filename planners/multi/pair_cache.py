@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Flags, Floats, Ints
 from fgenv.collision import World
-from fgenv.planners.roadmap.motion_table import Floats, Ints, Steps
+from fgenv.planners.roadmap.motion_table import Steps
 
-Bools = NDArray[np.bool_]
 BITS = 32  # of a step's number
 
 
@@ -21,7 +20,7 @@ class Meetings:
         world: where `World.meet` is asked.
         steps: the table of each kind.
         members: ids in the world of each kind's robots; two of a kind stand for any two.
-        margin: metres: nearer than this is a meeting.
+        margin: meters: nearer than this is a meeting.
     """
 
     def __init__(
@@ -35,7 +34,7 @@ class Meetings:
         self.checks = 0  # pairs of steps that the world was asked
         self._known: dict[tuple[int, int], dict[int, bool]] = {}
 
-    def meet(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Bools:
+    def meet(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Flags:
         """For pairs of steps (n,) of kinds a and b: True where they are not proved apart."""
         out = np.zeros(len(steps_a), dtype=bool)
         near = np.flatnonzero(self.near(a, steps_a, b, steps_b))
@@ -43,14 +42,14 @@ class Meetings:
             out[near] = self.meet_near(a, steps_a[near], b, steps_b[near])
         return out
 
-    def near(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Bools:
+    def near(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Flags:
         """Where the balls around two steps overlap."""
         one, other = self.steps[a], self.steps[b]
         reach = one.radius[steps_a] + other.radius[steps_b] + self.margin
-        apart = one.centre[steps_a] - other.centre[steps_b]
+        apart = one.center[steps_a] - other.center[steps_b]
         return np.asarray((apart * apart).sum(-1) <= reach * reach)
 
-    def meet_near(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Bools:
+    def meet_near(self, a: int, steps_a: Ints, b: int, steps_b: Ints) -> Flags:
         """As `meet`, of pairs that are near each other."""
         if a > b:
             a, b, steps_a, steps_b = b, a, steps_b, steps_a
@@ -70,7 +69,7 @@ class Meetings:
         self.checks += len(keys)
         known.update(zip(keys.tolist(), found.tolist(), strict=True))
 
-    def ask(self, a: int, A0: Floats, A1: Floats, b: int, B0: Floats, B1: Floats) -> Bools:
+    def ask(self, a: int, A0: Floats, A1: Floats, b: int, B0: Floats, B1: Floats) -> Flags:
         """The world's answer for motions (n, nq) of kinds a and b; nothing is kept."""
         robot, other = self.members[a][0], self.members[b][-1]
         if robot == other:  # one of its kind never meets itself

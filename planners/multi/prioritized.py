@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.roadmap.motion_table import Floats
 from fgenv.planners.sipp.sipp import Effort, Track
 
 from .priorities import HOLDS, Priorities

@@ -9,9 +9,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.roadmap.construction import grow
-from fgenv.planners.roadmap.motion_table import GONE, Floats
+from fgenv.planners.roadmap.motion_table import GONE
 from fgenv.planners.roadmap.roadmap import FAR, Roadmap
 from fgenv.planners.sipp.dynamic_obstacles import Other, Timed
 from fgenv.planners.sipp.safe_intervals import Traffic

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from fgenv.planners.roadmap.motion_table import Floats
+from fgenv.arrays import Floats
 
 
 @dataclass(frozen=True)

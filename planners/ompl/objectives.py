@@ -12,7 +12,7 @@ from fgenv.planners.timing import amounts_of, seconds
 
 from .plugin import Setup
 
-NEAREST = 1e-3  # metres: nearer counts as this near
+NEAREST = 1e-3  # meters: nearer counts as this near
 OBJECTIVES = ("length", "clearance", "time")
 
 
@@ -20,7 +20,7 @@ def objective_of(name: str, made: Setup) -> Any:
     """OMPL's objective of that name.
 
     `length`: of the path, as the space measures it. `clearance`: the integral of one by the
-    clearance (metres) along the path. `time`: seconds that the robots need at full speed.
+    clearance (meters) along the path. `time`: seconds that the robots need at full speed.
 
     Raises:
         ValueError: the name is not known.
@@ -32,7 +32,7 @@ def objective_of(name: str, made: Setup) -> Any:
         return Nearness(si, made)
     if name == "time":
         return Seconds(si, made)
-    raise ValueError(f"objective: {name!r}, wanted one of {', '.join(OBJECTIVES)}")
+    raise ValueError(f"objective: got {name!r}, expected one of {', '.join(OBJECTIVES)}")
 
 
 class Nearness(ob.StateCostIntegralObjective):  # type: ignore[misc]

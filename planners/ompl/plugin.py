@@ -15,11 +15,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base as ob
 from ompl import geometric as og
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE, Body
 from fgenv.planners.problem import Problem
@@ -28,21 +28,20 @@ from fgenv.planners.steering import Steering
 from .spaces import Layout, compound_of, leaves, space_of
 from .states import StateBuffer, serialize_of
 
-Floats = NDArray[np.float64]
 Robots = Body | Sequence[Body]
 
 BODY = {"SE2": 3, "SE3": 7}  # numbers in a state of a body that is no robot
 
 
 class StateValidityChecker(ob.StateValidityChecker):  # type: ignore[misc]
-    """Valid is what meets nothing, and is more than `margin` metres from everything.
+    """Valid is what meets nothing, and is more than `margin` meters from everything.
 
     Args:
         si: OMPL's space information; its space as `fgenv.planners.space_of` makes it for the
             robot, or SE2 or SE3 for a body that is no robot.
         robot: id or name in the world; or several, whose states follow each other.
         world: may change between two searches, or in one.
-        margin: metres.
+        margin: meters.
         steering: how the robot gets from state to state; what its drive can do if left out.
     """
 
@@ -77,7 +76,7 @@ class MotionValidator(ob.MotionValidator):  # type: ignore[misc]
 
     Args:
         si, robot, world, margin, steering: as for `StateValidityChecker`.
-        resolution: metres; if given, the motion is only looked at in steps in which no point moves
+        resolution: meters; if given, the motion is only looked at in steps in which no point moves
             farther than that, as OMPL's own validator does. It can miss what is between.
     """
 
@@ -206,7 +205,7 @@ def setup(
         scenario: a Scenario, its name or file, or a `Problem`.
         robot: its name or place in the scenario; several are planned in their joint space; all if
             left out.
-        margin: metres that states and motions keep from everything.
+        margin: meters that states and motions keep from everything.
         steering, resolution: as for `MotionValidator`.
         world: to plan in; a copy of the problem's if left out.
 
@@ -217,7 +216,7 @@ def setup(
     several = range(len(problem.names)) if robot is None else robot
     names = [several] if isinstance(several, (int, str, np.integer)) else list(several)
     if not names:
-        raise ValueError("robot: none, wanted one at least")
+        raise ValueError("robot: none, expected one at least")
     which = [problem.index(name) for name in names]
     made = Setup(
         problem,
@@ -266,25 +265,25 @@ def checker_of(
     """The native checker for states of a space; ValueError where the space does not fit."""
     several = [robot] if isinstance(robot, (int, str, np.integer)) else list(robot)
     if not several:
-        raise ValueError("robot: none, wanted one at least")
+        raise ValueError("robot: none, expected one at least")
     if resolution is not None and not resolution > 0:
-        raise ValueError(f"resolution: {resolution}, wanted metres over 0, or None")
+        raise ValueError(f"resolution: got {resolution}, expected meters over 0, or None")
     given = leaves(si.getStateSpace())
     layouts = [_layout(world, body, steering) for body in several]
-    wanted: list[tuple[str, int]] = []
+    expected: list[tuple[str, int]] = []
     sizes = []
     for layout in layouts:
-        leaf = given[len(wanted)] if len(wanted) < len(given) else ("SE2", 3)
+        leaf = given[len(expected)] if len(expected) < len(given) else ("SE2", 3)
         if layout is None:
             leaf = leaf if leaf[0] in BODY else ("SE2", 3)
             sizes.append(BODY[leaf[0]])
-            wanted.append(leaf)
+            expected.append(leaf)
         else:
             sizes.append(layout.size)
-            wanted += leaves(space_of(layout, np.array([[-1.0] * 3, [1.0] * 3])))
-    if _flat(given) != _flat(wanted):
+            expected += leaves(space_of(layout, np.array([[-1.0] * 3, [1.0] * 3])))
+    if _flat(given) != _flat(expected):
         raise ValueError(
-            f"si: a space of {_told(given)}, wanted {_told(wanted)};"
+            f"si: a space of {_told(given)}, expected {_told(expected)};"
             " fgenv.planners.space_of makes it"
         )
     steerings = [Steering() if layout is None else layout.steering for layout in layouts]

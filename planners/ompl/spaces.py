@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from ompl import base as ob
 
+from fgenv.arrays import Floats
 from fgenv.planners.steering import Steering, platform
 from fgenv.robots import Drone, Robot
 
-Floats = NDArray[np.float64]
 Leaf = tuple[str, int]  # kind of a subspace, and its dimension
 
 
@@ -75,11 +75,11 @@ def space_of(layout: Layout, bounds: Floats | None = None) -> Any:
 
     Planar bases are SE2 (a car's Dubins or Reeds-Shepp), free ones SE3 (a level one R3 and SO2),
     bounded joints are real vectors and those without end SO2; several of these are a compound
-    space, in the order of the configuration. An angle weighs as many metres as it moves the
+    space, in the order of the configuration. An angle weighs as many meters as it moves the
     farthest point.
 
     Args:
-        bounds: (2, 2) or (2, 3), least and greatest position of the base (metres); the robot's
+        bounds: (2, 2) or (2, 3), least and greatest position of the base (meters); the robot's
             workspace if left out.
     """
     parts = [*_base(layout, bounds), *_joints(layout.robot)]
@@ -115,7 +115,7 @@ def _base(layout: Layout, bounds: Floats | None) -> list[tuple[Any, float]]:
     box = robot.workspace if bounds is None else bounds
     if box is None:
         raise ValueError(
-            f"bounds: {robot.name!r} has no workspace, wanted workspace= of the robot, or bounds="
+            f"bounds: {robot.name!r} has no workspace, expected workspace= of the robot, or bounds="
         )
     place, turn = (2, 2) if robot.base == "planar" else (3, 3)
     limits, weight = _bounds(np.asarray(box)[:, :place]), max(float(robot.weights[turn]), 1e-3)

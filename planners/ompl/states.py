@@ -12,10 +12,11 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from ompl import base as ob
 
-Floats = NDArray[np.float64]
+from fgenv.arrays import Floats
+
 Serialize = Callable[[Any, Any], None]
 
 NAME = b"nb_handle"  # of nanobind's capsules; it is kept, so it must not go away
@@ -45,7 +46,7 @@ class StateBuffer:
         """Give a state its coordinates; returns it."""
         row = np.asarray(values, dtype=np.float64)
         if row.shape != (self.size,):
-            raise ValueError(f"state: shape {row.shape}, wanted ({self.size},)")
+            raise ValueError(f"state: shape {row.shape}, expected ({self.size},)")
         self._row[:] = row
         self._space.deserialize(state, self._capsule)
         return state

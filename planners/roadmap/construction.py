@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats, Ints
 from fgenv.collision import World
 from fgenv.planners.steering import Steering, legs
 from fgenv.planners.timing import steps_of
 from fgenv.robots import Car, DifferentialDrive, Robot
 
 from .heading_roadmap import expanded
-from .lattice import apart, box, lattice, neighbours, pitch
-from .motion_table import Balls, Floats, Ints
+from .lattice import apart, box, lattice, neighbors, pitch
+from .motion_table import Balls
 from .roadmap import FAR, Roadmap
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ PLACES = 500  # of the first round, at most; each round more has twice as many
 FINE = 0.7  # of the pitch at which two robots just fit: of the first round's
 ROUNDS = 4
 NEAREST = 12
-REACH = 1.6  # pitches: how far a place's neighbours are
+REACH = 1.6  # pitches: how far a place's neighbors are
 
 
 def grow(problem: Problem, kind: int, rounds: int = ROUNDS, first: int = 0) -> Roadmap:
@@ -72,7 +73,7 @@ def _round(
 ) -> Roadmap:
     if isinstance(robot.drive, DifferentialDrive) and robot.nq == 3:
         places, reach = _places(robot, ends, most, rng, 2)
-        pairs = neighbours(places, reach, NEAREST)
+        pairs = neighbors(places, reach, NEAREST)
         chains = np.isfinite(robot.drive.acceleration)
         made = expanded(world, name, ends, places, pairs, margin, bool(chains))
         return Roadmap(robot, *made, dt)
@@ -94,13 +95,13 @@ def _round(
 def _places(
     robot: Robot, ends: Floats, most: int, rng: np.random.Generator, d: int
 ) -> tuple[Floats, float]:
-    """Places (n, d), those of the ends first, and how far neighbours are (m)."""
-    wanted = np.unique(ends[:, :d], axis=0)
+    """Places (n, d), those of the ends first, and how far neighbors are (m)."""
+    expected = np.unique(ends[:, :d], axis=0)
     rest = robot.rest[None]
     size = 2.0 * float(Balls(robot).around(rest, rest)[1][0])
-    room = box(robot, wanted, size)
+    room = box(robot, expected, size)
     step = pitch(room, size, most, FINE * (PLACES / most) ** (1.0 / d))
-    return np.concatenate([wanted, apart(lattice(room, step, rng), wanted, step)]), REACH * step
+    return np.concatenate([expected, apart(lattice(room, step, rng), expected, step)]), REACH * step
 
 
 def _samples(robot: Robot, ends: Floats, most: int, rng: np.random.Generator) -> Floats:

@@ -1,6 +1,6 @@
 """Roadmap of a differential drive: it drives straight between places, and turns on the spot.
 
-At each place it may head along any way to a neighbour, forwards or backwards, so that a vertex is a
+At each place it may head along any way to a neighbor, forwards or backwards, so that a vertex is a
 place with a heading, and a move either drives or turns.
 """
 
@@ -9,10 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv import _core
+from fgenv.arrays import Flags, Floats, Ints
 from fgenv.collision import World
-from fgenv.planners.multi.pair_cache import Bools
-
-from .motion_table import Floats, Ints
 
 SAME = 1e-6  # radians: headings nearer than this are one
 CHAIN = 4  # drives in a line that may be one move
@@ -111,7 +109,7 @@ def _turns(
     )
 
 
-def _spins(world: World, name: str, q: Floats, margin: float) -> Bools:
+def _spins(world: World, name: str, q: Floats, margin: float) -> Flags:
     """Whether a whole turn is free at each of q (n, 3)."""
     third = np.array([0.0, 0.0, 2 * np.pi / 3])
     ends = q + third * np.arange(4)[:, None, None]  # (4, n, 3)

@@ -7,11 +7,10 @@ import math
 
 import numpy as np
 
+from fgenv.arrays import Floats, Ints
 from fgenv.robots import Robot
 
-from .motion_table import Floats, Ints
-
-NEARER = 0.4  # of a lattice's pitch: places nearer than this to one that is wanted are left out
+NEARER = 0.4  # of a lattice's pitch: places nearer than this to one that is expected are left out
 ROOM = 3.0  # robots' sizes that are left around starts and goals where there is no workspace
 
 
@@ -24,7 +23,7 @@ def box(robot: Robot, ends: Floats, size: float) -> Floats:
 
 
 def pitch(room: Floats, size: float, most: int, fine: float = 1.0) -> float:
-    """Metres between places, for robots of a size (diameter, m), no more than `most` places.
+    """Meters between places, for robots of a size (diameter, m), no more than `most` places.
 
     Two robots just fit at two places; `fine` times as much at least.
     """
@@ -34,7 +33,7 @@ def pitch(room: Floats, size: float, most: int, fine: float = 1.0) -> float:
 
 
 def lattice(room: Floats, step: float, rng: np.random.Generator) -> Floats:
-    """Positions (n, d), `step` metres apart, filling a room evenly; which ones, chance decides."""
+    """Positions (n, d), `step` meters apart, filling a room evenly; which ones, chance decides."""
     sides = room[1] - room[0]
     counts = [max(1, math.floor(side / step)) for side in sides]
     shift = rng.uniform(0.25, 0.75, len(sides))  # of what is left of a pitch at either end
@@ -45,16 +44,16 @@ def lattice(room: Floats, step: float, rng: np.random.Generator) -> Floats:
     return np.array(list(itertools.product(*lines))).reshape(-1, len(sides))
 
 
-def apart(places: Floats, wanted: Floats, step: float) -> Floats:
-    """Those of places (n, d) that are not too near to the wanted ones (m, d)."""
-    if not len(wanted) or not len(places):
+def apart(places: Floats, expected: Floats, step: float) -> Floats:
+    """Those of places (n, d) that are not too near to the expected ones (m, d)."""
+    if not len(expected) or not len(places):
         return places
-    gaps = ((places[:, None] - wanted) ** 2).sum(-1).min(1)
+    gaps = ((places[:, None] - expected) ** 2).sum(-1).min(1)
     kept: Floats = places[gaps > (NEARER * step) ** 2]
     return kept
 
 
-def neighbours(places: Floats, reach: float, most: int) -> Ints:
+def neighbors(places: Floats, reach: float, most: int) -> Ints:
     """Pairs (m, 2), rising, of places (n, d) within reach (m), each with its `most` nearest."""
     pairs: set[tuple[int, int]] = set()
     for i, place in enumerate(places):

@@ -8,12 +8,9 @@ under two numbers.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Ints
 from fgenv.robots import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 GONE = -1  # the step of a robot that is not there any more
 SLACK = 1e-9  # for rounding
@@ -35,14 +32,14 @@ class Balls:
         self._radii = np.sqrt(np.array(far))
 
     def around(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats]:
-        """Centres (n, 3), radii (n,), metres: they hold the robot all along q0 to q1, (n, nq)."""
+        """Centers (n, 3), radii (n,), meters: they hold the robot all along q0 to q1, (n, nq)."""
         middle = self.robot.interpolate(q0, q1, 0.5, threads=1)
         poses = self.robot.forward(middle, threads=1)[:, self._links]  # (n, parts, 4, 4)
         at = (poses[..., :3, :3] @ self._middles[..., None])[..., 0] + poses[..., :3, 3]
-        centre = 0.5 * (at.min(1) + at.max(1))
-        away = np.sqrt(((at - centre[:, None]) ** 2).sum(-1)) + self._radii
+        center = 0.5 * (at.min(1) + at.max(1))
+        away = np.sqrt(((at - center[:, None]) ** 2).sum(-1)) + self._radii
         way = np.asarray(self.robot.distance(q0, q1))  # no point goes farther, half of it each way
-        return centre, away.max(1) + (0.5 + SLACK) * way + SLACK
+        return center, away.max(1) + (0.5 + SLACK) * way + SLACK
 
 
 class Steps:
@@ -50,7 +47,7 @@ class Steps:
 
     Attributes:
         q0, q1: (n, nq), where each begins and ends.
-        centre, radius: (n, 3) and (n,), metres: a ball that holds the robot all along it.
+        center, radius: (n, 3) and (n,), meters: a ball that holds the robot all along it.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -64,7 +61,7 @@ class Steps:
 
     q0 = property(lambda self: self._rows[0][: self._n])
     q1 = property(lambda self: self._rows[1][: self._n])
-    centre = property(lambda self: self._rows[2][: self._n])
+    center = property(lambda self: self._rows[2][: self._n])
     radius = property(lambda self: self._rows[3][: self._n, 0])
 
     def add(self, q0: Floats, q1: Floats) -> int:
@@ -74,8 +71,8 @@ class Steps:
             return first
         while end > len(self._rows[0]):
             self._rows = [np.concatenate([rows, np.empty_like(rows)]) for rows in self._rows]
-        centre, radius = self._balls.around(q0, q1)
-        for rows, new in zip(self._rows, (q0, q1, centre, radius[:, None]), strict=True):
+        center, radius = self._balls.around(q0, q1)
+        for rows, new in zip(self._rows, (q0, q1, center, radius[:, None]), strict=True):
             rows[first:end] = new
         self._n = end
         return first

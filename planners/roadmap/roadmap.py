@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
+from fgenv.arrays import Floats, Ints
 from fgenv.robots import Robot
 
-from .motion_table import Floats, Ints, Steps
+from .motion_table import Steps
 from .spatial_hash import numbers
 from .time_scaling import Pace
 
@@ -57,9 +58,9 @@ class Roadmap:
 
     @cached_property
     def balls(self) -> tuple[Floats, Floats]:
-        """Balls that hold all of each move: centres (m, 3) and radii (m,), metres.
+        """Balls that hold all of each move: centers (m, 3) and radii (m,), meters.
 
-        A point that goes D metres is never farther than D / 2 in the mean from where it begins and
+        A point that goes D meters is never farther than D / 2 in the mean from where it begins and
         where it ends.
         """
         a, b, n = self.tails, self.heads, len(self.q)
@@ -68,18 +69,18 @@ class Roadmap:
             far = np.array([self.robot.distance(w[:-1], w[1:]).sum() for w in self._ways])
         elif len(a):
             far = np.asarray(self.robot.distance(self.q[a], self.q[b]))
-        centre, radius = self.steps.centre[:n], self.steps.radius[:n]
-        return 0.5 * (centre[a] + centre[b]), 0.5 * (radius[a] + radius[b] + far)
+        center, radius = self.steps.center[:n], self.steps.radius[:n]
+        return 0.5 * (center[a] + center[b]), 0.5 * (radius[a] + radius[b] + far)
 
     @cached_property
     def cells(self) -> tuple[float, list[tuple[int, int]], list[tuple[int, int]]]:
         """Side of a cell (m), and of each vertex and move its cell and its reach, in sides."""
         n = len(self.q)
         side = float(self.steps.radius[:n].max())
-        still = numbers(self.steps.centre[:n], side).tolist()
-        centre, radius = self.balls
+        still = numbers(self.steps.center[:n], side).tolist()
+        center, radius = self.balls
         reach = np.ceil(radius / side + 1e-6).astype(np.int64).tolist()
-        moves = zip(numbers(centre, side).tolist(), reach, strict=True)
+        moves = zip(numbers(center, side).tolist(), reach, strict=True)
         return side, [(cell, 1) for cell in still], list(moves)
 
     def _out(self) -> list[list[tuple[int, int, int]]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .motion_table import Floats, Ints
+from fgenv.arrays import Floats, Ints
 
 if TYPE_CHECKING:
     from fgenv.planners.sipp.dynamic_obstacles import Other
@@ -41,11 +41,11 @@ class Cells:
         return self._found[at]
 
 
-def covered(centre: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:
+def covered(center: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:
     """Cells from where a ball of that reach (m) may overlap one of the balls (n, 3), (n,)."""
     wide = (radius + reach)[:, None]
-    low = np.floor((centre[:, :2] - wide) / side).astype(np.int64)
-    high = np.floor((centre[:, :2] + wide) / side).astype(np.int64)
+    low = np.floor((center[:, :2] - wide) / side).astype(np.int64)
+    high = np.floor((center[:, :2] + wide) / side).astype(np.int64)
     most = (high - low).max(0) + 1
     x = low[:, :1] + np.arange(most[0])
     y = low[:, 1:] + np.arange(most[1])
@@ -53,7 +53,7 @@ def covered(centre: Floats, radius: Floats, side: float, reach: float) -> frozen
     return frozenset(np.unique(x[:, :, None] * SPAN + y[:, None]).tolist())
 
 
-def numbers(centre: Floats, side: float) -> Ints:
+def numbers(center: Floats, side: float) -> Ints:
     """The cells that points (n, 3) are in, (n,)."""
-    at = np.floor(centre[:, :2] / side).astype(np.int64)
+    at = np.floor(center[:, :2] / side).astype(np.int64)
     return np.asarray(at[:, 0] * SPAN + at[:, 1])

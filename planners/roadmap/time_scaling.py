@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.planners.timing import steps_of
 from fgenv.robots import DifferentialDrive, Robot
-
-from .motion_table import Floats
 
 FINE = 0.1  # of what a drive does in a step: a differential drive's ways are rounded up to this
 
@@ -36,7 +35,7 @@ class Pace:
         return self._kept[key]
 
     def _rounded(self, drive: DifferentialDrive, q0: Floats, q1: Floats) -> tuple[float, float]:
-        """Metres along x, below 0 backwards, and radians."""
+        """Meters along x, below 0 backwards, and radians."""
         dx, dy, turn = (q1 - q0).tolist()
         length, turn = math.hypot(dx, dy), abs(math.remainder(turn, 2 * math.pi))
         ahead = dx * math.cos(q0[2]) + dy * math.sin(q0[2]) >= 0.0

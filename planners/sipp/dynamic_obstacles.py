@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fgenv.planners.multi.pair_cache import Bools, Meetings
-from fgenv.planners.roadmap.motion_table import GONE, Floats, Ints
+from fgenv.arrays import Flags, Floats, Ints
+from fgenv.planners.multi.pair_cache import Meetings
+from fgenv.planners.roadmap.motion_table import GONE
 from fgenv.planners.roadmap.roadmap import INF, Roadmap
 from fgenv.planners.roadmap.spatial_hash import covered
 
@@ -38,12 +39,12 @@ class Other:
             end[-1] = INF
         table = meetings.steps[timed.kind]
         self.steps, self.first, self.last = steps[begin], begin, end
-        self.still: Bools = (table.q0[self.steps] == table.q1[self.steps]).all(1)
-        self.centre, self.radius = table.centre[self.steps], table.radius[self.steps]
-        self._middle = self.centre.mean(0)
-        self._at = self.centre - self._middle
+        self.still: Flags = (table.q0[self.steps] == table.q1[self.steps]).all(1)
+        self.center, self.radius = table.center[self.steps], table.radius[self.steps]
+        self._middle = self.center.mean(0)
+        self._at = self.center - self._middle
         self._squares = (self._at**2).sum(1)
-        rounding = 1e-6 * (1.0 + float(self.radius.max()))  # metres, of the squares
+        rounding = 1e-6 * (1.0 + float(self.radius.max()))  # meters, of the squares
         self._reach = self.radius + meetings.margin + rounding
         self._cells: dict[tuple[float, float], frozenset[int]] = {}
         self._waits: dict[int, list[Range] | None] = {}
@@ -54,7 +55,7 @@ class Other:
         key = side, reach
         if key not in self._cells:
             wide = reach + self.meetings.margin
-            self._cells[key] = covered(self.centre, self.radius, side, wide)
+            self._cells[key] = covered(self.center, self.radius, side, wide)
         return self._cells[key]
 
     def waits(self, v: int) -> list[Range] | None:
@@ -101,7 +102,7 @@ class Other:
         """Places in `mine`, of steps, and entries, whose balls overlap, and their middles' squared
         distances (m^2): arrays (n,)."""
         table = self.roadmap.steps
-        a, b = table.centre[mine] - self._middle, self._at
+        a, b = table.center[mine] - self._middle, self._at
         squares = (a * a).sum(1)[:, None] + self._squares
         squares -= 2.0 * (a @ b.T)
         reach = table.radius[mine][:, None] + self._reach

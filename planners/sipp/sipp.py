@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from fgenv.planners.roadmap.motion_table import Ints
+from fgenv.arrays import Ints
 from fgenv.planners.roadmap.roadmap import FAR, INF, Roadmap
 
 from .safe_intervals import Range

@@ -7,8 +7,8 @@ from operator import itemgetter
 
 import numpy as np
 
+from fgenv.arrays import Ints
 from fgenv.planners.multi.pair_cache import Meetings
-from fgenv.planners.roadmap.motion_table import Ints
 
 
 class Doubts:

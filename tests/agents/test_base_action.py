@@ -47,11 +47,11 @@ def test_targets_are_where_the_hint_is_and_looked_at_on_the_way(view: View) -> N
     part = next(part for part in view.layouts[0] if part.name == "path_hint")
     x, y = np.moveaxis(seen[..., part.slice].astype(float), -1, 0)
     yaw = q[..., 2]
-    wanted = q[..., :2] + np.stack(
+    expected = q[..., :2] + np.stack(
         [np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y], axis=-1
     )
-    np.testing.assert_allclose(found[..., :2], wanted, atol=1e-6)
-    ahead = wanted - q[..., :2]
+    np.testing.assert_allclose(found[..., :2], expected, atol=1e-6)
+    ahead = expected - q[..., :2]
     assert (simulator.remaining > np.pi / 2.0).all()  # s that it turns, at 1 m/s: not yet
     np.testing.assert_allclose(found[..., 2], np.arctan2(ahead[..., 1], ahead[..., 0]), atol=1e-5)
 

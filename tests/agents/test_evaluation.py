@@ -32,8 +32,8 @@ def crossing() -> FrozenSet:
 
 @pytest.mark.parametrize(("k", "n"), [(0, 10), (3, 10), (10, 10), (81, 263), (500, 500), (1, 1)])
 def test_wilson_is_what_scipy_says(k: int, n: int) -> None:
-    found, wanted = rate(k, n), binomtest(k, n).proportion_ci(method="wilson")
-    np.testing.assert_allclose(found, (k / n, wanted.low, wanted.high), atol=1e-12)
+    found, expected = rate(k, n), binomtest(k, n).proportion_ci(method="wilson")
+    np.testing.assert_allclose(found, (k / n, expected.low, expected.high), atol=1e-12)
 
 
 def test_wilson_of_a_textbook() -> None:
@@ -48,7 +48,7 @@ def test_wilson_of_a_textbook() -> None:
 
 def test_no_trials_tell_nothing() -> None:
     assert all(math.isnan(x) for x in (*rate(0, 0), *mean([])))
-    with pytest.raises(ValueError, match="successes: 4, wanted 0 to 3"):
+    with pytest.raises(ValueError, match="successes: got 4, expected 0 to 3"):
         rate(4, 3)
 
 
@@ -223,7 +223,7 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
         (("--policy", "gotoo"), "did you mean 'goto'?"),
         (("--policy", "mlp:nothing.npz"), "nothing.npz: No such file"),
         (("--csv", "no/such/folder.csv"), "there is no folder no/such"),
-        (("--plot", "scores.xyz"), "--plot: scores.xyz, wanted a name that ends in .png, .svg"),
+        (("--plot", "scores.xyz"), "--plot: scores.xyz, expected a name that ends in .png, .svg"),
     ],
 )
 def test_what_is_wrong_is_told_before_the_cases_are_made(

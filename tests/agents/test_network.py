@@ -15,7 +15,7 @@ from support import TESTS
 from fgenv import _core
 
 ACTS: dict[str, Any] = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0), "none": lambda x: x}
-DIGEST = "from agents.test_network import digest; print(digest())"
+DIGEST = "from test_network import digest; print(digest())"
 
 
 def layers(*sizes: int, activation: str = "tanh", seed: int = 0) -> list[tuple[Any, Any, str]]:
@@ -43,11 +43,11 @@ def digest(threads: int | None = None) -> str:
 def test_it_is_what_numpy_says(activation: str, sizes: tuple[int, ...]) -> None:
     given = layers(*sizes, activation=activation)
     rows = np.random.default_rng(1).normal(size=(4, 50, sizes[0]))
-    wanted = rows
+    expected = rows
     for weights, offsets, kind in given:
-        wanted = ACTS[kind](wanted @ weights + offsets)
+        expected = ACTS[kind](expected @ weights + offsets)
     network = _core.Network(given)
-    np.testing.assert_allclose(network.run(rows, None), wanted, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(network.run(rows, None), expected, rtol=0, atol=1e-12)
     assert (network.inputs, network.outputs) == (sizes[0], sizes[-1])
 
 
@@ -62,8 +62,8 @@ def test_it_is_what_torch_says() -> None:
         parts += [linear, *([torch.nn.Tanh()] if kind == "tanh" else [])]
     rows = np.random.default_rng(2).normal(size=(300, 40))
     with torch.no_grad():
-        wanted = torch.nn.Sequential(*parts)(torch.as_tensor(rows)).numpy()
-    np.testing.assert_allclose(_core.Network(given).run(rows, None), wanted, rtol=0, atol=1e-12)
+        expected = torch.nn.Sequential(*parts)(torch.as_tensor(rows)).numpy()
+    np.testing.assert_allclose(_core.Network(given).run(rows, None), expected, rtol=0, atol=1e-12)
 
 
 def test_hyperbolic_tangent_is_right_to_the_last_digits() -> None:
@@ -77,14 +77,14 @@ def test_hyperbolic_tangent_is_right_to_the_last_digits() -> None:
 
 
 def test_same_bits_for_any_number_of_threads_and_instruction_set() -> None:
-    wanted = digest()
-    assert digest(1) == digest(3) == wanted
+    expected = digest()
+    assert digest(1) == digest(3) == expected
     for isa in {"baseline", _core.isa()}:
-        place = str(TESTS)
+        place = f"{TESTS}{os.pathsep}{TESTS / 'agents'}"
         env = {**os.environ, "FGENV_ISA": isa, "FGENV_THREADS": "2", "PYTHONPATH": place}
         command = [sys.executable, "-c", DIGEST]
         done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
-        assert done.stdout.strip() == wanted, isa
+        assert done.stdout.strip() == expected, isa
 
 
 def test_a_row_does_not_depend_on_the_others() -> None:
@@ -96,11 +96,14 @@ def test_a_row_does_not_depend_on_the_others() -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ([], "layers: none, wanted one at least"),
+        ([], "layers: none, expected one at least"),
         ([(np.ones(3), np.ones(3), "tanh")], r"layers\[0\]: weights of shape \(3,\)"),
-        ([(np.ones((2, 3)), np.ones(2), "tanh")], r"offsets of shape \(2,\), wanted \(3,\)"),
-        ([(np.ones((2, 3)), np.ones(3), "gelu")], "activation: 'gelu', wanted tanh, relu or none"),
-        ([(np.full((1, 1), np.nan), np.ones(1), "none")], "wanted a finite number"),
+        ([(np.ones((2, 3)), np.ones(2), "tanh")], r"offsets of shape \(2,\), expected \(3,\)"),
+        (
+            [(np.ones((2, 3)), np.ones(3), "gelu")],
+            "activation: 'gelu', expected tanh, relu or none",
+        ),
+        ([(np.full((1, 1), np.nan), np.ones(1), "none")], "expected a finite number"),
         (
             [(np.ones((2, 3)), np.ones(3), "tanh"), (np.ones((2, 1)), np.ones(1), "none")],
             r"layers\[1\]: takes 2 numbers, the layer before gives 3",
@@ -114,7 +117,7 @@ def test_bad_layers_are_told(given: list[Any], told: str) -> None:
 
 def test_bad_rows_are_told() -> None:
     network = _core.Network(layers(4, 2))
-    with pytest.raises(ValueError, match=r"rows: shape \(3, 5\), wanted \(..., 4\)"):
+    with pytest.raises(ValueError, match=r"rows: shape \(3, 5\), expected \(..., 4\)"):
         network.run(np.ones((3, 5)), None)
     with pytest.raises(ValueError, match=r"rows\[1, 2\] is nan"):
         network.run([[0, 0, 0, 0], [0, 0, np.nan, 0]], None)

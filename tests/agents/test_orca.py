@@ -19,13 +19,13 @@ from fgenv.scenarios import Scenario, frozen
 HORIZON, DT = 2.0, 0.1
 
 
-def solved(discs: Any, wanted: Any, speeds: Any, points: Any = None) -> Any:
+def solved(discs: Any, expected: Any, speeds: Any, points: Any = None) -> Any:
     """Velocities of one world, (discs, 2)."""
     rows = np.asarray(discs, dtype=np.float64)[None]
     if points is None:
         points = np.full((1, rows.shape[1], 0, 2), np.nan)
     speeds = np.broadcast_to(speeds, rows.shape[:2])
-    return _core.orca(rows, [wanted], speeds, points, HORIZON, HORIZON, DT, 100.0, None)[0]
+    return _core.orca(rows, [expected], speeds, points, HORIZON, HORIZON, DT, 100.0, None)[0]
 
 
 def inside(v: np.ndarray, p: np.ndarray, r: float) -> bool:
@@ -66,11 +66,11 @@ def test_two_discs_as_the_definition_says() -> None:
         p, v = rng.uniform(0.9, 3.0) * unit(rng), 0.8 * unit(rng)
         u, n = nearest_exit(v, p, 0.8)
         discs = [[0, 0, *v, 0.4, 0], [*p, 0, 0, 0.4, 0]]
-        wanted = v - 0.5 * n + 0.2 * np.array([n[1], -n[0]])
-        (found, _) = solved(discs, [wanted, [0, 0]], 5.0)
+        expected = v - 0.5 * n + 0.2 * np.array([n[1], -n[0]])
+        (found, _) = solved(discs, [expected, [0, 0]], 5.0)
         point = v + 0.5 * u
-        short = max(0.0, float(np.dot(point - wanted, n)))
-        np.testing.assert_allclose(found, wanted + short * n, atol=2e-3)
+        short = max(0.0, float(np.dot(point - expected, n)))
+        np.testing.assert_allclose(found, expected + short * n, atol=2e-3)
 
 
 def unit(rng: np.random.Generator) -> np.ndarray:
@@ -86,19 +86,19 @@ def half_planes(discs: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         ends = []
         for k in range(16):
             angle = 2 * math.pi * k / 16
-            wanted = 50.0 * np.array([math.cos(angle), math.sin(angle)])
-            v = solved([discs[0], other], [wanted, [0, 0]], 1e3)[0]
-            if np.linalg.norm(v - wanted) > 1e-9:
-                ends.append((v, (v - wanted) / np.linalg.norm(v - wanted)))
+            expected = 50.0 * np.array([math.cos(angle), math.sin(angle)])
+            v = solved([discs[0], other], [expected, [0, 0]], 1e3)[0]
+            if np.linalg.norm(v - expected) > 1e-9:
+                ends.append((v, (v - expected) / np.linalg.norm(v - expected)))
         found.append(ends[0])
     return found
 
 
-def projected(wanted: np.ndarray, speed: float, planes: Any) -> np.ndarray | None:
-    """The velocity nearest to the wanted one that all half-planes allow, by SciPy; None: none."""
+def projected(expected: np.ndarray, speed: float, planes: Any) -> np.ndarray | None:
+    """The velocity nearest to the expected one that all half-planes allow, by SciPy; None: none."""
     limits: list[Any] = [{"type": "ineq", "fun": lambda v: speed**2 - v @ v}]
     limits += [{"type": "ineq", "fun": lambda v, p=p, n=n: (v - p) @ n} for p, n in planes]
-    best = minimize(lambda v: ((v - wanted) ** 2).sum(), np.zeros(2), constraints=limits)
+    best = minimize(lambda v: ((v - expected) ** 2).sum(), np.zeros(2), constraints=limits)
     kept = best.success and all(limit["fun"](best.x) > -1e-6 for limit in limits)
     return best.x if kept else None
 
@@ -109,10 +109,10 @@ def test_many_discs_as_a_quadratic_program() -> None:
         discs = np.zeros((5, 6))
         discs[:, :2], discs[:, 2:4] = rng.uniform(-4, 4, (5, 2)), rng.uniform(-1, 1, (5, 2))
         discs[0, :2], discs[:, 4] = 0, 0.3
-        wanted = rng.uniform(-1.0, 1.0, 2)
-        best = projected(wanted, 1.2, half_planes(discs))
+        expected = rng.uniform(-1.0, 1.0, 2)
+        best = projected(expected, 1.2, half_planes(discs))
         if np.linalg.norm(discs[1:, :2], axis=1).min() > 0.7 and best is not None:
-            found = solved(discs, [wanted, *np.zeros((4, 2))], 1.2)[0]
+            found = solved(discs, [expected, *np.zeros((4, 2))], 1.2)[0]
             np.testing.assert_allclose(found, best, atol=1e-3)
             compared += 1
     assert compared >= 6
@@ -145,10 +145,10 @@ def test_where_nothing_is_allowed_the_worst_trespass_is_least() -> None:
 def test_the_mirror_image_gives_the_mirror_image() -> None:
     rng = np.random.default_rng(2)
     discs = np.array([[*rng.uniform(-3, 3, 2), *rng.uniform(-1, 1, 2), 0.2, 0] for _ in range(6)])
-    wanted, turned = rng.uniform(-1, 1, (6, 2)), discs.copy()
+    expected, turned = rng.uniform(-1, 1, (6, 2)), discs.copy()
     turned[:, [1, 3]] *= -1
     np.testing.assert_allclose(
-        solved(turned, wanted * [1, -1], 1.0), solved(discs, wanted, 1.0) * [1, -1], atol=1e-9
+        solved(turned, expected * [1, -1], 1.0), solved(discs, expected, 1.0) * [1, -1], atol=1e-9
     )
 
 
@@ -182,7 +182,7 @@ def test_it_acts_wherever_bases_are_planar(name: str) -> None:
         actions = policy.act(rows)
         assert (np.abs(actions) <= 1).all()
         rows = simulator.step(actions).observations
-    assert (simulator.travelled > 0).any()
+    assert (simulator.traveled > 0).any()
 
 
 def test_a_base_that_turns_as_it_goes_goes_where_it_wants() -> None:
@@ -237,17 +237,17 @@ def test_who_flies_or_is_bolted_down_is_told() -> None:
     for name in ("forest", "cell"):
         simulator = Simulator(name, n=2)
         simulator.reset(seed=0)
-        with pytest.raises(ValueError, match="wanted discs on a plane"):
+        with pytest.raises(ValueError, match="expected discs on a plane"):
             Orca().reset(View(simulator))
 
 
 def test_bad_arguments_are_told() -> None:
-    with pytest.raises(ValueError, match=r"discs: shape \(3,\), wanted \(worlds, discs, 6\)"):
+    with pytest.raises(ValueError, match=r"discs: shape \(3,\), expected \(worlds, discs, 6\)"):
         _core.orca(np.zeros(3), [], [], [], 1.0, 1.0, 0.1, 1.0, None)
     points = np.zeros((1, 1, 0, 2))
     with pytest.raises(ValueError, match="horizon: 0"):
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 1, 2)), [[1]], points, 0, 1, 0.1, 1, None)
-    with pytest.raises(ValueError, match=r"wanted: shape"):
+    with pytest.raises(ValueError, match=r"expected: shape"):
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points, 1, 1, 0.1, 1, None)
 
 

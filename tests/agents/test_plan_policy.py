@@ -3,50 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from support.episodes import alone
+from support.plans import Held, driven
 
 import fgenv
 from fgenv.agents import Planned, PlanWarning, policy_of, run_episode
 from fgenv.agents.tracking.executable_plan import Course, arrived
 from fgenv.agents.tracking.waypoint_tracking import way_points
-from fgenv.envs import FleetEnv, Policy, Simulator, View
+from fgenv.envs import FleetEnv, Simulator, View
 from fgenv.metrics import Results
 from fgenv.planners import PlanningError
 from fgenv.robots.inverse_drive import actions_between
 from fgenv.scenarios import Scenario
-
-
-class Held:
-    """A policy, but for a robot that does not act for some steps."""
-
-    def __init__(self, policy: Policy, robot: int, first: int, last: int) -> None:
-        self.policy, self.robot, self.steps = policy, robot, range(first, last)
-
-    def reset(self, view: View) -> None:
-        self.view = view
-        self.policy.reset(view)
-
-    def act(self, observations: np.ndarray) -> np.ndarray:
-        actions: np.ndarray = self.policy.act(observations)
-        if int(self.view.steps[0]) in self.steps:
-            actions[:, self.robot] = 0.0
-        return actions
-
-
-def driven(name: str, policy: str, **options: Any) -> tuple[Results, Planned]:
-    """An episode, which is run again from its record; and the policy after it."""
-    simulator, made = Simulator(name, autoreset=False, **options), policy_of(policy)
-    assert isinstance(made, Planned)
-    made.strict = True
-    record = run_episode(simulator, made)
-    record.replay()
-    return Results.of(record), made
-
 
 # What is planned is what happens
 
@@ -93,14 +65,14 @@ def test_a_way_point_gives_the_velocity_that_is_wanted(kind: str) -> None:
         before = simulator.velocities[0, 0, : len(robot.actions)]
         low, high, rate = np.array([(a.low, a.high, a.rate) for a in robot.actions]).T
         room = np.minimum(rate * simulator.dt, 1.0)
-        wanted = np.clip(before + rng.uniform(-1, 1, len(low)) * room, 0.2 * high, 0.9 * high)
+        expected = np.clip(before + rng.uniform(-1, 1, len(low)) * room, 0.2 * high, 0.9 * high)
         if kind == "car":
-            wanted[1] = rng.uniform(-0.3, 0.3)
-            wanted[1] = np.clip(wanted[1], before[1] - room[1], before[1] + room[1])
+            expected[1] = rng.uniform(-0.3, 0.3)
+            expected[1] = np.clip(expected[1], before[1] - room[1], before[1] + room[1])
         drives = Simulator(scenario, autoreset=False)
         drives.reset(seed=0)
         drives.place(0, 0, simulator.configurations[0, 0], simulator.goals[0, 0])
-        drives.step(((wanted - (low + high) / 2) / ((high - low) / 2))[None, None])
+        drives.step(((expected - (low + high) / 2) / ((high - low) / 2))[None, None])
         q, target = simulator.configurations[:, 0], drives.configurations[:, 0]
         asked = actions_between(robot, q, target, simulator.dt)[0]
         actions, led = way_points(robot, q, target, simulator.dt, 1.0)
@@ -234,7 +206,7 @@ def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
         ("plan:compsite", "method: 'compsite' is not known; did you mean 'composite'"),
         ("replan:composite:RTT", "planner: 'RTT' is not known; did you mean 'RRT'"),
         ("goto:composite", "'goto' takes nothing after it"),
-        ("orca:straight", "'orca:straight', wanted orca, or orca:shortest"),
+        ("orca:straight", "'orca:straight', expected orca, or orca:shortest"),
         ("plann", "policy: 'plann' is not known; did you mean 'plan'"),
     ],
 )

@@ -46,7 +46,7 @@ def test_rest_stays_where_it_is(kind: str, mode: str) -> None:
 def test_actions_are_of_the_wanted_shape_and_range(name: str, policy: str, mode: str) -> None:
     simulator = Simulator(name, 3, n=2, actions=mode)
     if policy == "orca" and name != "swap":
-        with pytest.raises(ValueError, match="wanted discs on a plane"):
+        with pytest.raises(ValueError, match="expected discs on a plane"):
             begun(policy, simulator)
         return
     method = ":composite" if policy in ("plan", "replan") else ""  # the fastest of two robots
@@ -89,9 +89,9 @@ def test_a_policy_may_be_anything_that_acts() -> None:
 def test_unknown_policy_is_told_with_the_nearest() -> None:
     with pytest.raises(ValueError, match=r"policy: 'gotoo' is not known; did you mean 'goto'\?"):
         policy_of("gotoo")
-    with pytest.raises(ValueError, match=r"wanted one of: goto, .*random, rest"):
+    with pytest.raises(ValueError, match=r"expected one of: goto, .*random, rest"):
         policy_of("xyz")
-    with pytest.raises(ValueError, match="seed: -1, wanted 0 or more"):
+    with pytest.raises(ValueError, match="seed: got -1, expected 0 or more"):
         policy_of("random", -1)
 
 
@@ -102,7 +102,7 @@ def test_acting_before_reset_is_told(policy: str) -> None:
 
 
 def test_several_worlds_are_no_episode() -> None:
-    with pytest.raises(ValueError, match="simulator: has 3 worlds, wanted one"):
+    with pytest.raises(ValueError, match="simulator: has 3 worlds, expected one"):
         run_episode(Simulator("swap", 3, n=2, autoreset=False), GoTo())
 
 
@@ -131,7 +131,7 @@ def test_wrong_targets_are_told(mode: str) -> None:
     simulator = Simulator("swap", n=2, actions=mode)
     simulator.reset(seed=0)
     view = View(simulator)
-    with pytest.raises(ValueError, match=r"targets: shape \(2, 3\), wanted \(1, 2, 3\)"):
+    with pytest.raises(ValueError, match=r"targets: shape \(2, 3\), expected \(1, 2, 3\)"):
         view.toward(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="targets"):
         view.toward(np.full((1, 2, 3), np.nan))

@@ -13,7 +13,7 @@ from fgenv.agents import PolicyError, PolicyFile, Trained, policy_of
 from fgenv.agents.named_policies import checked
 from fgenv.envs import Observation, Simulator, View
 
-SEEN = Observation(lidar=False, neighbours=2, pad=True)
+SEEN = Observation(lidar=False, neighbors=2, pad=True)
 
 
 def made(near: float = 0.0, **about: Any) -> PolicyFile:
@@ -22,7 +22,7 @@ def made(near: float = 0.0, **about: Any) -> PolicyFile:
     layers = tuple((rng.normal(size=s), rng.normal(size=s[1])) for s in zip(sizes, sizes[1:]))  # noqa: B905, RUF007
     told = {
         "observation": asdict(SEEN),
-        "parts": [["goal", 4], ["velocity", 2], ["neighbours", 14]],
+        "parts": [["goal", 4], ["velocity", 2], ["neighbors", 14]],
         "actions": "drive",
         "action_names": [["v", "m/s", -1.0, 1.0], ["yaw_rate", "rad/s", -2.0, 2.0]],
         "near": near,
@@ -50,8 +50,8 @@ def test_it_acts_as_its_numbers_say() -> None:
     policy.reset(View(simulator))
     hidden = np.clip((rows - file.mean) / file.std, -10, 10)
     (w0, b0), (w1, b1) = file.layers
-    wanted = np.clip(np.tanh(hidden @ w0 + b0) @ w1 + b1, -1, 1)
-    np.testing.assert_allclose(policy.act(rows), wanted, atol=1e-12)
+    expected = np.clip(np.tanh(hidden @ w0 + b0) @ w1 + b1, -1, 1)
+    np.testing.assert_allclose(policy.act(rows), expected, atol=1e-12)
 
 
 def test_near_its_goal_goto_takes_over() -> None:
@@ -93,7 +93,7 @@ def test_damage_is_found(tmp_path: Path) -> None:
     with pytest.raises(PolicyError, match="is damaged"):
         PolicyFile.load(path)
     np.savez(path, **{**arrays, "format": "fgenv policy 2"})
-    with pytest.raises(PolicyError, match="is 'fgenv policy 2', wanted 'fgenv policy 1'"):
+    with pytest.raises(PolicyError, match="is 'fgenv policy 2', expected 'fgenv policy 1'"):
         PolicyFile.load(path)
 
 
@@ -105,27 +105,27 @@ def _saved(folder: Path) -> Path:
 def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         PolicyFile.load(tmp_path / "none.npz")
-    with pytest.raises(ValueError, match=r"wanted a name that ends in \.npz"):
+    with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
         made().save(tmp_path / "policy.zip")
-    with pytest.raises(PolicyError, match="activation: 'gelu', wanted tanh or relu"):
+    with pytest.raises(PolicyError, match="activation: 'gelu', expected tanh or relu"):
         made(activation="gelu")
-    with pytest.raises(PolicyError, match=r"mean, std: wanted \(6,\)"):
+    with pytest.raises(PolicyError, match=r"mean, std: expected \(6,\)"):
         made(parts=[["goal", 4], ["velocity", 2]])
     for change, told in (
-        ({"layers": ()}, "layers: none, wanted from 20 to 2"),
-        ({"layers": made().layers[:1]}, "layers: from 20 to 5 numbers, wanted from 20 to 2"),
-        ({"mean": np.full(20, np.nan)}, "mean, std: wanted finite numbers"),
+        ({"layers": ()}, "layers: none, expected from 20 to 2"),
+        ({"layers": made().layers[:1]}, "layers: from 20 to 5 numbers, expected from 20 to 2"),
+        ({"mean": np.full(20, np.nan)}, "mean, std: expected finite numbers"),
         ({"about": {"near": 0.0}}, "says nothing of action_names, actions, activation, clip"),
     ):
         with pytest.raises(PolicyError, match=told):
             replace(made(), **change)
     with pytest.raises(
-        ValueError, match="policy: 'mlp:', wanted mlp:FILE, or one that comes along: mlp:"
+        ValueError, match="policy: 'mlp:', expected mlp:FILE, or one that comes along: mlp:"
     ):
         policy_of("mlp:")
     (tmp_path / "model.zip").write_bytes(b"no zip")
     pytest.importorskip("stable_baselines3")
-    with pytest.raises(ValueError, match="wanted a model that Stable-Baselines3 saved"):
+    with pytest.raises(ValueError, match="expected a model that Stable-Baselines3 saved"):
         policy_of(f"sb3:{tmp_path / 'model.zip'}")
 
 
@@ -148,5 +148,5 @@ def test_other_packages_offer_policies(monkeypatch: pytest.MonkeyPatch) -> None:
     assert asked == [("fgenv.policies", "mine")]
     with pytest.raises(ValueError, match="policy: 'yours' is not known"):
         policy_of("yours")
-    with pytest.raises(TypeError, match="'mine' makes a int, wanted one with"):
+    with pytest.raises(TypeError, match="'mine' makes a int, expected one with"):
         checked(3, "mine")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from agents.test_plan_policy import Held, driven
+from support.plans import Held, driven
 
 from fgenv.agents import Replanning, policy_of, run_episode
 from fgenv.agents.tracking.replan_problem import from_here, onward

@@ -14,7 +14,7 @@ from fgenv.agents.training.masked_rollout_buffer import MovingRollouts
 from fgenv.agents.training.multi_scenario import MixedVecEnv
 from fgenv.envs import Observation
 
-QUIET = Observation(lidar=False, neighbours=2, pad=True)
+QUIET = Observation(lidar=False, neighbors=2, pad=True)
 
 
 @pytest.fixture
@@ -53,12 +53,12 @@ def test_batches_are_of_who_was_on_the_way(envs: MixedVecEnv) -> None:
     rollouts, moved = filled(envs, 4)
     assert moved[0].all()
     assert (~moved[1:]).sum() == 4 * 3  # robot 0 of four worlds, for three steps
-    wanted = [100 * k + row for k, row in np.argwhere(moved)]
-    for size, many in ((None, len(wanted)), (7, len(wanted) // 7 * 7)):
+    expected = [100 * k + row for k, row in np.argwhere(moved)]
+    for size, many in ((None, len(expected)), (7, len(expected) // 7 * 7)):
         batches = [batch.observations[:, 0] for batch in rollouts.get(size)]
         seen = torch.cat(batches).tolist()
         assert len(seen) == len(set(seen)) == many
-        assert set(seen) <= set(wanted)
+        assert set(seen) <= set(expected)
 
 
 def test_who_has_arrived_is_worth_nothing_more(envs: MixedVecEnv) -> None:

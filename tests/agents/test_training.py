@@ -20,7 +20,7 @@ from fgenv.agents import PolicyFile, policy_of, run_episode
 from fgenv.agents.policies.network import Trained
 from fgenv.agents.policies.sb3 import Sb3Policy
 from fgenv.agents.training.recipes import RECIPES, Recipe, Stage, recipe_of, staged
-from fgenv.agents.training.training import Training, Wanted
+from fgenv.agents.training.training import Training, TrainingConfig
 from fgenv.envs import Simulator, View
 from fgenv.scenarios import Scenario
 
@@ -42,7 +42,7 @@ def trained(
 ) -> PolicyFile:
     """A training of some thousand steps."""
     given = {"scenario": "swap", "steps": 2_000, "every": 1_000, **fields}
-    return Training(Wanted(recipe=recipe, **given), folder, resume=resume).run()
+    return Training(TrainingConfig(recipe=recipe, **given), folder, resume=resume).run()
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_the_file_runs_without_torch(folder: Path) -> None:
         "from fgenv.envs import Simulator;"
         f"p = policy_of('mlp:{folder / 'policy.npz'}');"
         "s = Simulator('swap', n=5, observation=p.observation, autoreset=False);"
-        "run_episode(s, p, steps=5); assert s.travelled.min() > 0;"
+        "run_episode(s, p, steps=5); assert s.traveled.min() > 0;"
         "assert not {'torch', 'stable_baselines3'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
@@ -76,7 +76,7 @@ def test_the_file_runs_without_torch(folder: Path) -> None:
 
 def test_the_network_acts_as_the_model_does(folder: Path) -> None:
     model, acts = Sb3Policy(folder / "model.zip"), []
-    training = Training(Wanted("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
+    training = Training(TrainingConfig("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
     training._begin(0, SWAP.stages[-1])
     for policy in (Trained(training.export()), model):
         simulator = Simulator("swap", 4, n=6, jitter=0.3, observation=policy.observation)
@@ -95,7 +95,9 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
     given = {"recipe": recipe, "scenario": "doorway", "overrides": {"drive": "holonomic"}}
     file = trained(tmp_path / "one", **given)
     assert trained(tmp_path / "two", **given).id == file.id
-    training = Training(Wanted(steps=2_000, every=1_000, **given), tmp_path / "one", resume=True)
+    training = Training(
+        TrainingConfig(steps=2_000, every=1_000, **given), tmp_path / "one", resume=True
+    )
     training._begin(0, recipe.stages[-1])
     assert training.model.use_sde
     assert training.model.sde_sample_freq == recipe.held
@@ -110,7 +112,7 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
             acts[-1].append(policy.act(rows))
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
     policy = Trained(file)
-    seen = replace(policy.observation, pad=False)  # rows of two neighbours, of the six it knows
+    seen = replace(policy.observation, pad=False)  # rows of two neighbors, of the six it knows
     simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=seen)
     rows = simulator.reset(seed=0)
     policy.reset(View(simulator))
@@ -131,7 +133,7 @@ def test_it_goes_on_where_it_was(tmp_path: Path) -> None:
     trained(tmp_path, recipe, steps=3_000, resume=True)
     steps = [row.split(",")[0] for row in (tmp_path / "evaluations.csv").read_text().splitlines()]
     assert steps == ["steps", "1024", "2048", "3072"], "none twice"
-    with pytest.raises(ValueError, match="--resume: seed was 0, wanted the same again"):
+    with pytest.raises(ValueError, match="--resume: seed was 0, expected the same again"):
         trained(tmp_path, recipe, seed=5, resume=True)
     with pytest.raises(ValueError, match="nothing to go on with"):
         trained(tmp_path / "empty", recipe, resume=True)
@@ -163,7 +165,7 @@ def test_the_most_special_recipe_is_taken() -> None:
 
 def test_the_learning_rate_falls_to_nothing(tmp_path: Path) -> None:
     falling = replace(SWAP, anneal=True)
-    training = Training(Wanted("swap", falling, {"n": 3}, 2000, 0, "", 1000), tmp_path)
+    training = Training(TrainingConfig("swap", falling, {"n": 3}, 2000, 0, "", 1000), tmp_path)
     rates = []
     training.run(lambda steps, check: rates.append(training._rate(0.0)))
     assert rates[0] > 0.9 * SWAP.learning_rate
@@ -216,11 +218,11 @@ def test_an_older_policy_in_the_folder_is_not_its_own(
 def test_what_begins_anew_is_not_resumed_from_what_was_there(folder: Path, tmp_path: Path) -> None:
     there = tmp_path / "there"
     shutil.copytree(folder, there)
-    wanted = Wanted("swap", SWAP, steps=2_000, every=1_000)
-    assert Training(wanted, there, resume=True).steps > 0
-    assert Training(wanted, there).steps == 0  # interrupted before its first evaluation
+    expected = TrainingConfig("swap", SWAP, steps=2_000, every=1_000)
+    assert Training(expected, there, resume=True).steps > 0
+    assert Training(expected, there).steps == 0  # interrupted before its first evaluation
     with pytest.raises(ValueError, match="nothing to go on with"):
-        Training(wanted, there, resume=True)
+        Training(expected, there, resume=True)
 
 
 @pytest.mark.parametrize("suffix", [".pkl", ".json"])
@@ -235,10 +237,10 @@ def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str
 def test_other_robots_are_refused(folder: Path) -> None:
     policy = policy_of(f"mlp:{folder / 'policy.npz'}")
     for scenario, told in (
-        (Simulator("swap", n=4, observation=None), r"observes .*lidar \(36\).*wanted goal \(4\)"),
+        (Simulator("swap", n=4, observation=None), r"observes .*lidar \(36\).*expected goal \(4\)"),
         (
             Simulator("swap", n=4, body="l", observation=policy.observation),
-            r"velocity \(3\).*wanted .*velocity \(2\)",
+            r"velocity \(3\).*expected .*velocity \(2\)",
         ),
     ):
         scenario.reset(seed=0)

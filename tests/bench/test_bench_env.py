@@ -199,7 +199,7 @@ def test_vmas_senses_and_collides_and_the_same_actions_do_the_same() -> None:
 
 def test_mpe2_steps_one_world() -> None:
     pytest.importorskip("mpe2")
-    with pytest.raises(ValueError, match="wanted 1"):
+    with pytest.raises(ValueError, match="expected 1"):
         known.spread(4, 2, 0)
 
 

@@ -41,7 +41,7 @@ def test_fleets_are_chosen_by_words() -> None:
     assert chosen("all") == FLEETS
     assert {method for fleet in FLEETS for method in fleet.methods} <= set(METHODS)
     with pytest.raises(
-        ValueError, match="nothing has 'trucks' in its name, wanted a part of: swap"
+        ValueError, match="nothing has 'trucks' in its name, expected a part of: swap"
     ):
         chosen("trucks")
 

@@ -16,7 +16,7 @@ from fgenv.bench.planners.fcl_ import fcl_bodies
 from fgenv.bench.planners.goals import goals
 from fgenv.bench.planners.report import tables_of
 from fgenv.bench.planners.rigid import asked
-from fgenv.bench.planners.run import Wanted, bench_planners, silent
+from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners, silent
 from fgenv.bench.planners.search import judge_of, run, seeded
 from fgenv.bench.planners.task import Task
 from fgenv.bench.planners.ways import CERTIFIED, COAL, DISCRETE, FCL, ours, theirs, ways_of
@@ -110,10 +110,10 @@ def test_the_floor_is_the_same_search(task: Task) -> None:
 def test_a_problem_has_every_row(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(replay, "EDGES", 60)
     monkeypatch.setattr(replay, "ROUNDS", 1)
-    wanted = Wanted(("cubicles",), (2,), LIMIT, mbm=0)
+    expected = PlannerBenchConfig(("cubicles",), (2,), LIMIT, mbm=0)
     heard: list[str] = []
     done: dict[str, list[dict[str, Any]]] = {}
-    for kind, record in bench_planners(wanted, heard.append):
+    for kind, record in bench_planners(expected, heard.append):
         done.setdefault(kind, []).append(record)
     assert list(done) == ["problems", "goals"]
     (record,), (reached,) = done["problems"], done["goals"]
@@ -165,16 +165,19 @@ def test_an_arm_against_pinocchio(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told"),
+    ("expected", "told"),
     [
-        (Wanted(peers=("python-fcl", "bullet")), "'bullet', wanted some of python-fcl, coal"),
-        (Wanted(peers=("coal",)), "wanted python-fcl among them"),
-        (Wanted(limit=0.0), "time_limit: 0.0, wanted seconds over 0"),
+        (
+            PlannerBenchConfig(peers=("python-fcl", "bullet")),
+            "'bullet', expected some of",
+        ),
+        (PlannerBenchConfig(peers=("coal",)), "expected python-fcl among them"),
+        (PlannerBenchConfig(limit=0.0), "time_limit: got 0.0, expected seconds over 0"),
     ],
 )
-def test_what_makes_no_sense_is_told(wanted: Wanted, told: str) -> None:
+def test_what_makes_no_sense_is_told(expected: PlannerBenchConfig, told: str) -> None:
     with pytest.raises(ValueError, match=told):
-        wanted.check()
+        expected.check()
 
 
 @pytest.mark.parametrize("name", ["warehouse", "cubicles:two", "forest", "mbm"])
@@ -184,20 +187,20 @@ def test_other_problems_are_refused(name: str) -> None:
 
 
 def test_resolution_is_checked() -> None:
-    with pytest.raises(ValueError, match=r"resolution: -1\.0, wanted metres over 0"):
+    with pytest.raises(ValueError, match=r"resolution: -1\.0, expected meters over 0"):
         Task.of("cubicles", -1.0)
 
 
 def test_what_is_not_installed_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "fcl", None)
     with pytest.raises(ImportError) as raised:
-        Wanted().check()
+        PlannerBenchConfig().check()
     assert describe(raised.value) == "fcl is not installed; remedy: pip install 'fgenv[bench]'"
     monkeypatch.undo()
     monkeypatch.setattr("fgenv.bench.planners.run.find_spec", lambda name: None)
-    assert Wanted().arms == []
+    assert PlannerBenchConfig().arms == []
     with pytest.raises(ImportError) as raised:
-        Wanted(mbm=2).check()
+        PlannerBenchConfig(mbm=2).check()
     assert describe(raised.value) == "pinocchio is not installed; remedy: pip install pin"
     assert exit_code(raised.value) == 2
 

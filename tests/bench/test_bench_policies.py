@@ -47,7 +47,9 @@ def score(share: float) -> Namespace:
 
 
 def test_a_set_that_is_none_is_told() -> None:
-    with pytest.raises(ValueError, match="nothing has 'moon' in its name, wanted a part of: swap"):
+    with pytest.raises(
+        ValueError, match="nothing has 'moon' in its name, expected a part of: swap"
+    ):
         chosen("moon")
 
 

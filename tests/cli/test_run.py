@@ -151,21 +151,21 @@ def test_interrupted_it_keeps_what_there_is(
         ("none.npz", "none.npz: No such file or directory"),
         ("swap --policy gotoo", "policy: 'gotoo' is not known; did you mean 'goto'?"),
         ("swap --set jiter=0.1", "jiter: is no known override; did you mean 'jitter'?"),
-        ("swap --set jitter", "--set: 'jitter', wanted KEY=VALUE"),
+        ("swap --set jitter", "--set: 'jitter', expected KEY=VALUE"),
         ("swap --set horizon=-1", "horizon: is -1, should be greater than 0"),
         ("swap --n 1000", "n: is 1000, should be less than or equal to 64"),
         ("swap --n 0", "--n"),
         ("swap --seed -1", "--seed"),
         ("swap --steps 0", "--steps"),
-        ("swap --record r.json", "--record: r.json, wanted a name that ends in .npz"),
+        ("swap --record r.json", "--record: r.json, expected a name that ends in .npz"),
         ("swap --record none/r.npz", "none/r.npz: there is no folder none"),
-        ("swap --movie m.avi", "movie: m.avi, wanted a name that ends in .gif or .mp4"),
+        ("swap --movie m.avi", "movie: m.avi, expected a name that ends in .gif or .mp4"),
         ("swap --movie none/m.gif", "none/m.gif: there is no folder none"),
         ("swap --movie m.gif --fps 0", "--fps"),
-        ("swap --fps 5", "--fps: is of a movie, wanted with --movie"),
+        ("swap --fps 5", "--fps: is of a movie, expected with --movie"),
         ("swap --mesh a.stl", "--mesh: is of fgenv run three_tanks, without --policy"),
         ("three_tanks --policy goto --step 0.1", "--step: is of fgenv run three_tanks"),
-        ("three_tanks --record r.npz", "--record: wanted with --policy"),
+        ("three_tanks --record r.npz", "--record: expected with --policy"),
         ("three_tanks --policy goto --n 2", "n: is no known override"),
     ],
 )
@@ -182,9 +182,9 @@ def test_bad_input_is_2_and_one_line(
 @pytest.mark.parametrize(
     ("bad", "told"),
     [
-        (np.full((1, 2, 2), np.nan), "actions[0, 0, 0] is nan, wanted a number in [-1, 1]"),
-        (np.zeros((1, 3, 2)), "actions: shape (1, 3, 2), wanted (1, 2, 2)"),
-        (None, "actions: dtype object, wanted float64"),
+        (np.full((1, 2, 2), np.nan), "actions[0, 0, 0] is nan, expected a number in [-1, 1]"),
+        (np.zeros((1, 3, 2)), "actions: shape (1, 3, 2), expected (1, 2, 2)"),
+        (None, "actions: dtype object, expected float64"),
     ],
 )
 def test_a_policy_that_acts_badly_is_told(
@@ -277,7 +277,7 @@ def test_a_movie_that_breaks_off_leaves_what_was_there(tmp_path: Path, suffix: s
     path.write_text("before")
     for frames, told in (
         ([], "frames: there are none"),
-        ([*moving(2), *moving(1, 32)], r"frame: uint8 \(48, 32, 3\), wanted uint8 \(48, 64, 3\)"),
+        ([*moving(2), *moving(1, 32)], r"frame: uint8 \(48, 32, 3\), expected uint8 \(48, 64, 3\)"),
         ([np.zeros((48, 64, 3))], "frame: float64"),
     ):
         with pytest.raises(ValueError, match=told):
@@ -287,7 +287,7 @@ def test_a_movie_that_breaks_off_leaves_what_was_there(tmp_path: Path, suffix: s
 
 
 def test_wrong_numbers_of_a_movie_are_told(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="fps: 0, wanted"):
+    with pytest.raises(ValueError, match="fps: got 0, expected"):
         frame_seconds("m.gif", 0)
     assert frame_seconds("m.gif", 30) == 0.03
     assert frame_seconds("m.gif", 500) == 0.02

@@ -1,4 +1,4 @@
-"""Each bad input gives one clear error: the argument, what came, what is wanted."""
+"""Each bad input gives one clear error: the argument, what came, what is expected."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def says(error: Exception, *words: str) -> None:
 # Meshes
 
 BAD_MESHES: dict[str, tuple[Any, Any, type[Exception], tuple[str, ...]]] = {
-    "no vertices": ([], FACES, ValueError, ("vertices", "wanted")),
+    "no vertices": ([], FACES, ValueError, ("vertices", "expected")),
     "flat vertices": (
         VERTICES[:, :2],
         FACES,

@@ -118,13 +118,13 @@ UNKNOWN: dict[str, tuple[Any, tuple[str, ...]]] = {
     "a name cut off by a NUL": ("crate\0", ("named",)),
 }
 NO_BODIES: dict[str, tuple[Any, tuple[str, ...]]] = {
-    "None": (None, ("wanted", "None")),
-    "a float": (1.0, ("wanted", "float")),
-    "NaN": (np.nan, ("wanted", "float")),
-    "True": (True, ("wanted", "bool")),
-    "bytes": (b"crate", ("wanted", "bytes")),
-    "a shape": (CUBE, ("wanted", "Shape")),
-    "a pair": ((2, 3), ("wanted", "tuple")),
+    "None": (None, ("expected", "None")),
+    "a float": (1.0, ("expected", "float")),
+    "NaN": (np.nan, ("expected", "float")),
+    "True": (True, ("expected", "bool")),
+    "bytes": (b"crate", ("expected", "bytes")),
+    "a shape": (CUBE, ("expected", "Shape")),
+    "a pair": ((2, 3), ("expected", "tuple")),
 }
 
 
@@ -152,7 +152,7 @@ def test_what_is_no_list_of_bodies(world: World, call: str) -> None:
         *([[2, 3]], [2, 2.0], [2, None], [True, False], [b"crate"]),
         *(np.array([2.0]), np.zeros((2, 2), int), np.array([object()])),
     ):
-        refuses(lambda value=value: ask(world, value), name, "wanted|no body")
+        refuses(lambda value=value: ask(world, value), name, "expected|no body")
 
 
 EVERY = BODIES | ROBOTS | LISTS
@@ -170,7 +170,7 @@ def test_an_id_over_64_bits(world: World) -> None:
 
 def test_an_array_is_not_one_body(world: World) -> None:
     for name, ask in (BODIES | ROBOTS).values():
-        refuses(lambda ask=ask: ask(world, np.array([2, 3])), name, "wanted", error=TypeError)
+        refuses(lambda ask=ask: ask(world, np.array([2, 3])), name, "expected", error=TypeError)
 
 
 def test_a_stranger_that_fails_when_asked(world: World) -> None:
@@ -220,7 +220,7 @@ def test_names_that_are_taken(world: World) -> None:
 
 @pytest.mark.parametrize("groups", [3, [1], [None], ["g", 2.0], object(), [b"g"], None])
 def test_what_is_no_group(world: World, groups: Any) -> None:
-    refuses(lambda: world.add(CUBE, groups=groups), "groups", "wanted", "name", error=TypeError)
+    refuses(lambda: world.add(CUBE, groups=groups), "groups", "expected", "name", error=TypeError)
 
 
 @pytest.mark.parametrize("masks", ["", "on", "Path", "all"])
@@ -355,7 +355,7 @@ def test_bad_windows(world: World, window: tuple[Any, Any]) -> None:
 
 # Numbers
 
-METRES: dict[str, tuple[str, Call]] = {
+METERS: dict[str, tuple[str, Call]] = {
     "collides": ("margin", lambda w, x: w.collides(2, HERE, margin=x)),
     "check_motion": ("margin", lambda w, x: w.check_motion(2, HERE, HERE, margin=x)),
     "check_motions": ("margin", lambda w, x: w.check_motions([2], HERE, HERE, margin=x)),
@@ -369,16 +369,16 @@ METRES: dict[str, tuple[str, Call]] = {
 }
 
 
-@pytest.mark.parametrize("call", METRES)
-def test_bad_metres(world: World, call: str) -> None:
-    name, ask = METRES[call]
+@pytest.mark.parametrize("call", METERS)
+def test_bad_meters(world: World, call: str) -> None:
+    name, ask = METERS[call]
     for value in (-1e-9, -1.0, np.nan, np.inf, -np.inf):
-        refuses(lambda value=value: ask(world, value), name, "metres", error=ValueError)
+        refuses(lambda value=value: ask(world, value), name, "meters", error=ValueError)
 
 
 @pytest.mark.parametrize("call", ["tolerance", "tolerance of many", "resolution"])
-def test_metres_over_zero(world: World, call: str) -> None:
-    name, ask = METRES[call]
+def test_meters_over_zero(world: World, call: str) -> None:
+    name, ask = METERS[call]
     refuses(lambda: ask(world, 0.0), name, "over 0", error=ValueError)
 
 
@@ -401,7 +401,7 @@ def test_unknown_modes(world: World, mode: Any) -> None:
 
 def test_resolution_belongs_to_discrete(world: World) -> None:
     refuses(lambda: world.check_motion(2, HERE, TWO, resolution=0.1), "resolution", "discrete")
-    refuses(lambda: world.check_motion(2, HERE, TWO, mode="discrete"), "resolution", "metres")
+    refuses(lambda: world.check_motion(2, HERE, TWO, mode="discrete"), "resolution", "meters")
 
 
 @pytest.mark.parametrize("case", BAD_POINTS)

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from oracles.independent import truth
 from oracles.solids import (
     Solid,
@@ -24,9 +23,9 @@ from oracles.solids import (
     together,
 )
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide, contact, distance
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
 PLACES = [HERE, *(somewhere(np.random.default_rng(seed)) for seed in range(5))]
 
@@ -37,7 +36,7 @@ def shape(solid: Solid) -> Shape:
     return Shape(*solid)
 
 
-def verdicts(a: Shape, b: Shape, apart: Array) -> set[bool]:
+def verdicts(a: Shape, b: Shape, apart: Floats) -> set[bool]:
     """Verdicts on b at `apart` in a's frame, in several places, both orders."""
     found = set()
     for place in PLACES:
@@ -187,8 +186,8 @@ def test_touching_stays_touching_when_both_take_one_pose() -> None:
 # Flush faces: FCL misses some of these
 
 
-def flush_boxes() -> list[tuple[Array, Array]]:
-    """Sides and centre of boxes inside the unit cube, flush with one to six of its faces."""
+def flush_boxes() -> list[tuple[Floats, Floats]]:
+    """Sides and center of boxes inside the unit cube, flush with one to six of its faces."""
     made = []
     for sides in itertools.product((0.25, 0.5, 1.0), repeat=3):
         for push in itertools.product((-1, 0, 1), repeat=3):
@@ -200,18 +199,18 @@ def flush_boxes() -> list[tuple[Array, Array]]:
 def test_flush_boxes_inside_collide_in_every_pose() -> None:
     cube = shape(box(1.0))
     rng = np.random.default_rng(1)
-    for size, centre in flush_boxes():
+    for size, center in flush_boxes():
         inner = shape(box(*size))
         place = np.stack([HERE, *(somewhere(rng) for _ in range(3))])
-        assert np.all(collide(cube, place, inner, place @ at(*centre))), (size, centre)
+        assert np.all(collide(cube, place, inner, place @ at(*center))), (size, center)
 
 
 def test_flush_faces_outside_touch_where_they_are_exact() -> None:
     cube = shape(box(1.0))
-    for size, centre in flush_boxes():
+    for size, center in flush_boxes():
         inner = shape(box(*size))
         for axis, sign in itertools.product(range(3), (-1, 1)):
-            offset = centre.copy()
+            offset = center.copy()
             offset[axis] = sign * (1.0 + size[axis]) / 2
             assert collide(cube, HERE, inner, at(*offset))
             offset[axis] += sign * 1e-9
@@ -251,7 +250,7 @@ def test_slivers_agree_with_whole_numbers() -> None:
     assert hits > 20
 
 
-def test_plates_a_hundredth_of_a_millimetre_thick() -> None:
+def test_plates_a_hundredth_of_a_millimeter_thick() -> None:
     plate = shape(box(1.0, 1.0, 1e-5))
     pebble, needle = shape(ball(0.1)), shape(box(1e-6, 1e-6, 1.0))
     assert verdicts(plate, pebble, at(0.2, 0.3, 0.1)) == {True}
@@ -287,7 +286,7 @@ def test_a_tiny_body_beside_a_huge_one(large: float) -> None:
     assert not collide(wall, HERE, grain, at(0.1, 0.2, 0.3))
 
 
-def test_poses_a_thousand_kilometres_away() -> None:
+def test_poses_a_thousand_kilometers_away() -> None:
     """Verdicts on the poses as doubles give them, in whole numbers: 1e6 m is known to 1e-10 m."""
     a, b = shape(box(1.0)), shape(angle_iron(0.5, 0.1, 0.3))
     hits = 0
@@ -303,7 +302,7 @@ def test_poses_a_thousand_kilometres_away() -> None:
 
 
 @pytest.mark.parametrize("overlap", [2e-9, -2e-9])
-def test_a_nanometre_of_overlap_far_away(overlap: float) -> None:
+def test_a_nanometer_of_overlap_far_away(overlap: float) -> None:
     cube = shape(box(1.0))
     for axis, sign in itertools.product(range(3), (-1, 1)):
         place = at(1e6, -1e6, 1e6)

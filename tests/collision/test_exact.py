@@ -18,11 +18,11 @@ from oracles.independent import (
 from oracles.solids import somewhere
 from support.meshes import MeshPair, pairs
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.common.poses import NEAR, USUAL, random_poses_batched
 from fgenv.collision import Shape, collide
 
-Array = NDArray[np.float64]
 FEW = pairs(12, largest=3000, seed=1)
 MANY = pairs(120, seed=2)
 
@@ -44,8 +44,8 @@ class Jury:
         self.verdicts = collide(self.a, self.pose_a, self.b, self.poses)
         self.disputes: Counter[str] = Counter()  # what others said otherwise, by kind
 
-    def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Array:
-        def judge(poses: Array) -> NDArray[np.bool_]:
+    def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Floats:
+        def judge(poses: Floats) -> NDArray[np.bool_]:
             return collide(self.a, self.pose_a, self.b, poses, threads=1)
 
         meshes = self.mesh_a, self.mesh_b

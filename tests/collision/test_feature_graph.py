@@ -30,10 +30,9 @@ from oracles.solids import (
 )
 from support.meshes import MeshPair, pairs
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.poses import random_poses_batched
 from fgenv.collision import FeatureGraph, MeshWarning, Shape, collide
-
-Array = NDArray[np.float64]
 
 
 def both_are_solid(pair: MeshPair) -> bool:
@@ -177,7 +176,7 @@ def test_a_shape_carries_the_graph_of_its_mesh(chosen: dict[str, object]) -> Non
     assert of_shape.method == alone.method
 
 
-# Tolerance in metres
+# Tolerance in meters
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-2, 5e-2, 0.3])
@@ -222,7 +221,7 @@ BALLS = [(ball(0.5, 3), 0.5), (ball(0.4, 3), 0.4)]
 def test_nothing_deeper_than_the_certificate_is_missed(
     tolerances: tuple[float, float], seed: int
 ) -> None:
-    """Two balls; the overlap of balls with centres d apart is a lens (r1 + r2 - d) thick."""
+    """Two balls; the overlap of balls with centers d apart is a lens (r1 + r2 - d) thick."""
     (one, r1), (two, r2) = BALLS
     a, b = (Shape(*s, tolerance=t) for s, t in zip((one, two), tolerances, strict=True))
     truth = Shape(*one), Shape(*two)
@@ -239,7 +238,7 @@ def test_nothing_deeper_than_the_certificate_is_missed(
     assert (depth[hits & ~found] <= a.graph.tolerance + b.graph.tolerance).all()
 
 
-def mixed(truth: tuple[Shape, Shape], poses: Array) -> tuple[Shape, Array, Shape, Array]:
+def mixed(truth: tuple[Shape, Shape], poses: Floats) -> tuple[Shape, Floats, Shape, Floats]:
     return truth[0], HERE, truth[1], poses
 
 
@@ -264,7 +263,7 @@ def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, floa
     a, b = (Shape(m.vertices, m.faces, **chosen) for m in meshes)
     exact_a, exact_b = (Shape(m.vertices, m.faces) for m in meshes)
 
-    def judge(poses: Array) -> NDArray[np.bool_]:
+    def judge(poses: Floats) -> NDArray[np.bool_]:
         return collide(exact_a, HERE, exact_b, poses, threads=1)
 
     rng = np.random.default_rng(3)
@@ -278,7 +277,7 @@ def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, floa
         assert depth(exact_a, exact_b, pose, rng) <= bound * (1 + 1e-9)
 
 
-def depth(a: Shape, b: Shape, pose: Array, rng: np.random.Generator) -> float:
+def depth(a: Shape, b: Shape, pose: Floats, rng: np.random.Generator) -> float:
     """The deepest of many points that are inside both: distance to the nearer surface."""
     corners = np.concatenate([a.vertices, b.vertices @ pose[:3, :3].T + pose[:3, 3]])
     some = corners[rng.integers(len(corners), size=4000)]

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from oracles.solids import at, box, somewhere
 from oracles.world_model import Model, along, nudged, shapes, turned, wander
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.collision.world import MotionResult, World
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
 CUBE = Shape(*box(1.0))
-SIZE = 1.2  # metres: about how far bodies are from the origin
+SIZE = 1.2  # meters: about how far bodies are from the origin
 END = 4.0  # seconds: when trajectories end
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
@@ -33,7 +33,7 @@ class Stage:
     def __init__(self, rng: np.random.Generator) -> None:
         self.rng = rng
         self.on, self.off, self.model = World(), World(masks="off"), Model()
-        self.paths: dict[int, Array] = {}
+        self.paths: dict[int, Floats] = {}
         for _ in range(9):
             self.add()
         self.all("attach", 1, 0)
@@ -127,7 +127,7 @@ class Stage:
         changes[self.rng.integers(len(changes))]()
 
 
-def motions(stage: Stage, robot: int, count: int) -> tuple[Array, Array, NDArray[np.bool_]]:
+def motions(stage: Stage, robot: int, count: int) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """From poses, to poses, and which of the motions are pieces of legs of the robot's path."""
     rng, path = stage.rng, stage.paths[robot]
     leg = rng.integers(max(len(path) - 1, 1), size=count)

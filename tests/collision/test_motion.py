@@ -27,17 +27,17 @@ from scipy.optimize import brentq
 from support import TESTS
 from support.meshes import pairs
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide
 from fgenv.collision.world import MotionResult, World
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
 TOLERANCE = 1e-6
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
 
-def scene(robot: Solid, *others: tuple[Solid, Array]) -> World:
+def scene(robot: Solid, *others: tuple[Solid, Floats]) -> World:
     """The robot is body 0."""
     world = World()
     world.add(Shape(*robot))
@@ -47,7 +47,7 @@ def scene(robot: Solid, *others: tuple[Solid, Array]) -> World:
 
 
 def brackets(found: MotionResult, exact: float, path: float, tolerance: float = TOLERANCE) -> bool:
-    """Whether a contact at fraction `exact` is bracketed, on a path of so many metres."""
+    """Whether a contact at fraction `exact` is bracketed, on a path of so many meters."""
     assert not found.free
     assert not found.unresolved
     rounding = 1e-9 / max(path, 1.0) + 1e-14
@@ -150,7 +150,7 @@ def test_movers_that_cross_meet() -> None:
     assert found
     assert found.free.tolist() == [True, True]
     assert np.isinf(found.contact_by).all()
-    # side by side at the same speed, a micrometre apart
+    # side by side at the same speed, a micrometer apart
     assert world.check_motions([a, b], [HERE, at(0.100001)], [at(7.0), at(7.100001)])
     # one that stands is met where it stands
     found = world.check_motions([a, b], [at(0.0, 80.0), at(0.0)], [at(0.0, 100.0), at(1.0)])
@@ -265,7 +265,7 @@ def test_sliding_along_a_wall_is_free(gap: float) -> None:
 
 
 def test_a_peg_slides_into_a_hole() -> None:
-    """All sides at a gap of a hundredth of a millimetre, to the bottom."""
+    """All sides at a gap of a hundredth of a millimeter, to the bottom."""
     wall = 0.1
     sides = [moved(box(wall, 1.0, 1.0), x=s * (0.5 + wall / 2)) for s in (-1, 1)] + [
         moved(box(1.0, wall, 1.0), y=s * (0.5 + wall / 2)) for s in (-1, 1)
@@ -436,7 +436,7 @@ def test_standing_still_is_asked_as_well() -> None:
 # First contacts of translations, by a formula for every pair of corners, edges and faces
 
 
-def first_contact(world: World, start: Array, way: Array) -> float:
+def first_contact(world: World, start: Floats, way: Floats) -> float:
     """Fraction of the translation at which body 0 first meets another's surface; inf if none."""
     robot = world.record(0).shape
     first = np.inf
@@ -458,11 +458,11 @@ def edges(shape: Shape) -> NDArray[np.intp]:
     return np.unique(sides, axis=0)
 
 
-def least(t: Array, meets: NDArray[np.bool_]) -> float:
+def least(t: Floats, meets: NDArray[np.bool_]) -> float:
     return float(np.min(t, where=meets & (t >= 0) & (t <= 1), initial=np.inf))
 
 
-def corners_meet_faces(points: Array, faces: Array, way: Array) -> float:
+def corners_meet_faces(points: Floats, faces: Floats, way: Floats) -> float:
     """The first fraction of `way` at which a point (n, 3) meets a face (m, 3, 3)."""
     one, two = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
     normal = np.cross(one, two)
@@ -477,7 +477,7 @@ def corners_meet_faces(points: Array, faces: Array, way: Array) -> float:
         return least(t, (u >= -e) & (v >= -e) & (u + v <= 1 + e))
 
 
-def edges_meet(a: Array, b: Array, way: Array) -> float:
+def edges_meet(a: Floats, b: Floats, way: Floats) -> float:
     """The first fraction of `way` at which an edge of a (n, 2, 3) meets one of b (m, 2, 3)."""
     p, q = a[:, 1] - a[:, 0], b[:, 1] - b[:, 0]
     apart = b[None, :, 0] - a[:, None, 0]  # apart = t way + s p - r q
@@ -506,10 +506,10 @@ def translations(
 ) -> float:
     """Random translations of a past b against the formula; the share that meets.
 
-    `far`: metres from the origin; `askew`: rotations are off by so much.
+    `far`: meters from the origin; `askew`: rotations are off by so much.
     """
 
-    def off(pose: Array) -> Array:
+    def off(pose: Floats) -> Floats:
         if askew:
             pose[:3, :3] += askew * rng.uniform(-1.0, 1.0, size=(3, 3))
         return pose
@@ -590,10 +590,10 @@ def test_bodies_of_every_size(size: float) -> None:
             assert found.contact - 1e-12 <= exact <= found.contact_by + 1e-12
 
 
-def test_a_thousand_kilometres_away() -> None:
+def test_a_thousand_kilometers_away() -> None:
     a, b = (Shape(*solid) for solid in BODIES["irons"])
     assert translations(a, b, seed=5, count=60, size=1.0, far=1e6) > 0.15
-    # sliding at a micrometre, there
+    # sliding at a micrometer, there
     place = at(1e6, -1e6, 1e6)
     world = scene(box(0.1), (box(3.0, 1.0, 3.0), place @ at(y=-0.5)))
     assert world.check_motion(0, place @ at(y=0.05 + 1e-6), place @ at(0.1, 0.05 + 1e-6, 0.1))
@@ -633,14 +633,14 @@ def crowd(seed: int, count: int = 5) -> tuple[World, Model]:
     return world, model
 
 
-def points_of(model: Model, robot: int) -> Array:
+def points_of(model: Model, robot: int) -> Floats:
     """Vertices of all its parts, in the robot's frame."""
     parts = [model.items[part] for part in model.parts(robot)]
     return np.vstack([p.shape.vertices @ p.offset[:3, :3].T + p.offset[:3, 3] for p in parts])
 
 
-def travel(points: Array, T0: Array, T1: Array) -> float:
-    """How far the farthest of points goes from pose T0 to T1, metres."""
+def travel(points: Floats, T0: Floats, T1: Floats) -> float:
+    """How far the farthest of points goes from pose T0 to T1, meters."""
     ends = [points @ T[:3, :3].T + T[:3, 3] for T in (T0, T1)]
     return float(np.linalg.norm(ends[1] - ends[0], axis=1).max())
 
@@ -648,8 +648,8 @@ def travel(points: Array, T0: Array, T1: Array) -> float:
 def agrees_with_samples(
     model: Model,
     robot: int,
-    T0: Array,
-    T1: Array,
+    T0: Floats,
+    T1: Floats,
     found: MotionResult,
     window: tuple[float, float] | None = None,
     count: int = 200,
@@ -657,7 +657,7 @@ def agrees_with_samples(
 ) -> bool:
     """Free where no sample collides; free before the contact and colliding at `contact_by`."""
 
-    def hits(t: Array) -> dict[int, NDArray[np.bool_]]:
+    def hits(t: Floats) -> dict[int, NDArray[np.bool_]]:
         times = None if window is None else window[0] + t * (window[1] - window[0])
         return model.hits(robot, along(T0, T1, t), times, margin)
 
@@ -844,7 +844,7 @@ def test_mover_and_obstacle_change_places() -> None:
     assert 20 < met < 100
 
 
-def same(one: MotionResult, other: MotionResult, T0: Array, T1: Array) -> bool:
+def same(one: MotionResult, other: MotionResult, T0: Floats, T1: Floats) -> bool:
     """Both free, or brackets that share a fraction."""
     assert one.free == other.free
     if not one.free:

@@ -18,10 +18,10 @@ from oracles.solids import angle_iron, at, ball, bowl, box, inverted, opened, so
 from support import TESTS
 from support.meshes import MeshPair, pairs
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.poses import USUAL, random_poses_batched
 from fgenv.collision import Shape, collide, contact, distance, nearest
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
 PAIRS = pairs(6, largest=3000, seed=11)
 
@@ -139,7 +139,7 @@ def test_distances_near_and_far(gap: float) -> None:
 
 @pytest.mark.parametrize("gap", [1e-13, 1e-11, 1e-9])
 def test_a_gap_as_small_as_rounding_has_a_distance(gap: float) -> None:
-    """Faces a kilometre long, turned together."""
+    """Faces a kilometer long, turned together."""
     rng = np.random.default_rng(4)
     slab = Shape(*box(1e3, 1e3, 1.0))
     for place in (somewhere(rng) for _ in range(40)):
@@ -290,7 +290,9 @@ def test_rays_hit_where_a_plain_formula_says(scene: Scene) -> None:
         assert np.abs(off).max() < 1e-9 * mesh.size
 
 
-def nearest_hits(shape: Shape, origins: Array, directions: Array) -> tuple[Array, NDArray[np.intp]]:
+def nearest_hits(
+    shape: Shape, origins: Floats, directions: Floats
+) -> tuple[Floats, NDArray[np.intp]]:
     """Distances along rays by Moeller and Trumbore's formula against every face."""
     corners = shape.vertices[shape.faces]
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

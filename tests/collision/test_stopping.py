@@ -6,29 +6,28 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from oracles.solids import angle_iron, at, ball, box
 from oracles.world_model import along, nudged, turned
 from support.robots import random_tree
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World, collide
 from fgenv.collision.world import MotionResult
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
-PITCH = 1.1  # metres between 64 bodies of up to 0.9
+PITCH = 1.1  # meters between 64 bodies of up to 0.9
 SEEDS = st.integers(0, 2**32 - 1)
 SHAPES = [Shape(*s) for s in (box(0.5), angle_iron(0.6, 0.15, 0.4), ball(0.3), box(0.9, 0.1, 0.2))]
 
 
 def line(*places: float) -> tuple[World, list[int]]:
-    """Cubes of one metre along x."""
+    """Cubes of one meter along x."""
     world = World()
     cube = Shape(*box(1.0))
     return world, [world.add(cube, at(x)) for x in places]
 
 
-def move(world: World, ids: list[int], ends: list[Array]) -> MotionResult:
+def move(world: World, ids: list[int], ends: list[Floats]) -> MotionResult:
     """Move everyone to where it stops."""
     starts = world.poses(ids)
     found = world.advance(ids, ends)
@@ -104,9 +103,9 @@ def test_nobody_overlaps_after_any_step(seed: int) -> None:
 
 
 def justified(
-    world: World, ids: list[int], starts: Array, ends: Array, found: MotionResult
+    world: World, ids: list[int], starts: Floats, ends: Floats, found: MotionResult
 ) -> None:
-    """Whoever stopped meets the other a micrometre on, wherever that has come to by then."""
+    """Whoever stopped meets the other a micrometer on, wherever that has come to by then."""
     for i in np.flatnonzero(np.isfinite(found.contact_by))[::3]:
         shown = found.contact_by[i]
         j = ids.index(found.other[i])
@@ -125,7 +124,7 @@ def test_robots_stop_too(seed: int) -> None:
         pass
     world = World()
     ids: list[int] = []
-    q: list[Array] = []
+    q: list[Floats] = []
     for _ in range(8):
         me = world.add_robot(robot)
         for _ in range(40):
@@ -179,8 +178,8 @@ def test_what_is_wrong_is_told() -> None:
     world, ids = line(0.0, 2.0)
     for ask, words in (
         (lambda: world.advance([0, 0], [HERE, HERE]), "robots: body 0 is named twice"),
-        (lambda: world.advance(0, HERE), r"robots, to: wanted \(n,\) and \(n, 4, 4\)"),
-        (lambda: world.advance(ids, HERE), r"robots, to: wanted \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(0, HERE), r"robots, to: expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(ids, HERE), r"robots, to: expected \(n,\) and \(n, 4, 4\)"),
         (lambda: world.advance([0, 7], [HERE, HERE]), "robots: no body 7"),
         (lambda: world.advance(ids, [HERE, 2 * HERE]), r"to\[1\]"),
         (lambda: world.advance(ids, [HERE, HERE], tolerance=0.0), "tolerance"),

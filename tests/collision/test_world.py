@@ -9,16 +9,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from oracles.solids import angle_iron, at, ball, box, opened, somewhere
 from oracles.world_model import Model, along, carry, nudged, scatter, shapes, turned, wander
 from scipy.spatial import cKDTree
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide
 from fgenv.collision.world import World
 from fgenv.paper import method
 
-Array = NDArray[np.float64]
 HERE = np.eye(4)
 CUBE = Shape(*box(1.0))
 TWINS: dict[str, Callable[[World], World]] = {
@@ -653,7 +652,7 @@ def test_thousands_of_bodies_that_come_move_and_go() -> None:
     rng = np.random.default_rng(8)
     small = Shape(*box(0.2))
     world = World()
-    there: dict[int, Array] = {}
+    there: dict[int, Floats] = {}
 
     def agrees() -> int:
         ids = np.array(sorted(there))

@@ -16,13 +16,12 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from numpy.typing import NDArray
 from oracles.world_model import Model, along, nudged, shapes, wander
 
+from fgenv.arrays import Floats
 from fgenv.collision.world import World
 
-Array = NDArray[np.float64]
-SIZE = 1.0  # metres: about how far bodies are from the origin
+SIZE = 1.0  # meters: about how far bodies are from the origin
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
@@ -37,7 +36,7 @@ class WorldMachine(RuleBasedStateMachine):
         super().__init__()
         self.worlds = [World(), World(masks="off")]
         self.model = Model()
-        self.paths: dict[int, Array] = {}
+        self.paths: dict[int, Floats] = {}
         self.last = -1  # id
 
     def all(self, change: str, *arguments: Any) -> None:
@@ -185,7 +184,7 @@ class WorldMachine(RuleBasedStateMachine):
                 shown = self.model.hits(robot, along(T0, T1, at), when, margin)
                 assert shown[found.other][0]
 
-    def legs(self, robot: int, rng: np.random.Generator) -> list[tuple[Array, Array, bool]]:
+    def legs(self, robot: int, rng: np.random.Generator) -> list[tuple[Floats, Floats, bool]]:
         start = self.model.items[robot].pose
         legs = [(start, nudged(rng, start, 0.5), False)]
         path = self.paths.get(robot)

@@ -121,19 +121,19 @@ def test_worlds_are_those_of_single_environments() -> None:
     for _ in range(20):
         actions = rng.uniform(-1, 1, (5, 2)).astype(np.float32)
         *mine, infos = one.step(actions)
-        *theirs, wanted = other.step(actions)
+        *theirs, expected = other.step(actions)
         for a, b in zip(mine, theirs, strict=True):
             assert np.array_equal(a, b)
-        assert np.array_equal(infos["clearance"], wanted["clearance"])
-        assert ("final_obs" in infos) == ("final_obs" in wanted)
+        assert np.array_equal(infos["clearance"], expected["clearance"])
+        assert ("final_obs" in infos) == ("final_obs" in expected)
         if "final_obs" in infos:
             ends += 1
             mask = infos["_final_obs"]
-            assert np.array_equal(mask, wanted["_final_obs"])
-            for a, b in zip(infos["final_obs"][mask], wanted["final_obs"][mask], strict=True):
+            assert np.array_equal(mask, expected["_final_obs"])
+            for a, b in zip(infos["final_obs"][mask], expected["final_obs"][mask], strict=True):
                 assert np.array_equal(a, b)
             for name in ("masked", "checks", "success", "clearance"):
-                told = infos["final_info"][name], wanted["final_info"][name]
+                told = infos["final_info"][name], expected["final_info"][name]
                 assert np.array_equal(told[0][mask], told[1][mask])
     assert ends >= 3
 
@@ -170,17 +170,17 @@ def test_copies_go_on_identically() -> None:
     made = [copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
     steps = [env.step(np.full((3, 2), 0.5)) for _ in range(8)]
     for other in made:
-        for wanted in steps:
-            for a, b in zip(wanted[:4], other.step(np.full((3, 2), 0.5))[:4], strict=True):
+        for expected in steps:
+            for a, b in zip(expected[:4], other.step(np.full((3, 2), 0.5))[:4], strict=True):
                 assert np.array_equal(a, b)
 
 
 def test_what_does_not_fit_is_named() -> None:
-    with pytest.raises(ValueError, match="robot: 'robot 9' is unknown, wanted robot 1"):
+    with pytest.raises(ValueError, match="robot: 'robot 9' is unknown, expected robot 1"):
         single(robot="robot 9")
-    with pytest.raises(ValueError, match="robot: 4, wanted 0 to 3"):
+    with pytest.raises(ValueError, match="robot: got 4, expected 0 to 3"):
         single(robot=4)
-    with pytest.raises(TypeError, match="others: int, wanted a name"):
+    with pytest.raises(TypeError, match="others: int, expected a name"):
         single(others=3)
     with pytest.raises(ScenarioError, match="jiter"):
         gymnasium.make("fgenv/swap-v0", jiter=1)
@@ -189,7 +189,7 @@ def test_what_does_not_fit_is_named() -> None:
     env = single(others=lambda rows: np.zeros((1, 3, 2)))
     env.reset(seed=0)
     before = env.simulator.state()
-    with pytest.raises(ValueError, match=r"act gave shape \(1, 3, 2\), wanted \(1, 4, 2\)"):
+    with pytest.raises(ValueError, match=r"act gave shape \(1, 3, 2\), expected \(1, 4, 2\)"):
         env.step(np.zeros(2))
     with pytest.raises(ValueError, match="action of 'robot 1': shape"):
         env.step(np.zeros(3))

@@ -169,8 +169,8 @@ def test_robots_may_differ() -> None:
 BAD = [
     ({"robot 1": [0.0, np.nan]}, "action of 'robot 1'"),
     ({"robot 1": [0.0, np.inf]}, "finite"),
-    ({"robot 1": [0.0, 0.0, 0.0]}, r"shape \(3,\), wanted \(2,\)"),
-    ({"robot 1": "left"}, "wanted numbers"),
+    ({"robot 1": [0.0, 0.0, 0.0]}, r"shape \(3,\), expected \(2,\)"),
+    ({"robot 1": "left"}, "expected numbers"),
     ({"robot 1": None}, "action of 'robot 1'"),
     ({"robot 9": [0.0, 0.0]}, "'robot 9' is unknown"),
 ]
@@ -191,7 +191,7 @@ def test_missing_and_gone_robots_are_named() -> None:
     env = one_is_near()
     with pytest.raises(ValueError, match="none for 'robot 4'"):
         env.step({name: np.zeros(2) for name in env.agents[:-1]})
-    with pytest.raises(TypeError, match="wanted a dict"):
+    with pytest.raises(TypeError, match="expected a dict"):
         env.step(np.zeros((4, 2)))  # type: ignore[arg-type]
     every = still(env)
     env.step(every)
@@ -252,7 +252,7 @@ def test_what_is_unknown_is_named() -> None:
 
 
 def test_options_reach_the_simulator() -> None:
-    env = parallel(observation=Observation(lidar=False, neighbours=1), actions="way_points")
+    env = parallel(observation=Observation(lidar=False, neighbors=1), actions="way_points")
     assert env.observation_space("robot 1").shape == (4 + 2 + 7,)
     assert env.action_space("robot 1").shape == (3,)
     assert env.metadata["render_fps"] == 1 / env.simulator.dt

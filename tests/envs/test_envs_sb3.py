@@ -114,8 +114,8 @@ def test_copies_go_on_identically() -> None:
     made = [copy.copy(envs), copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
     steps = [envs.step(np.ones((6, 2))) for _ in range(6)]
     for other in made:
-        for wanted in steps:
-            for a, b in zip(wanted[:3], other.step(np.ones((6, 2)))[:3], strict=True):
+        for expected in steps:
+            for a, b in zip(expected[:3], other.step(np.ones((6, 2)))[:3], strict=True):
                 assert np.array_equal(a, b)
 
 
@@ -123,12 +123,12 @@ def test_what_does_not_fit_is_named() -> None:
     envs = fleet(2)
     envs.reset()
     before = envs.simulator.state()
-    with pytest.raises(ValueError, match=r"actions: shape \(2, 3, 2\), wanted \(6, 2\)"):
+    with pytest.raises(ValueError, match=r"actions: shape \(2, 3, 2\), expected \(6, 2\)"):
         envs.step(np.zeros((2, 3, 2)))
     with pytest.raises(ValueError, match=r"actions\[1, 2, 1\] is nan"):
         envs.step(np.array([[0.0, 0.0]] * 5 + [[0.0, np.nan]]))
     assert envs.simulator.state() == before
-    with pytest.raises(ValueError, match="autoreset=True, wanted False"):
+    with pytest.raises(ValueError, match="autoreset=True, expected False"):
         FleetVecEnv(Simulator("swap", n=2))
     two = Scenario.load("swap", n=2)
     plain = next(iter(two.models.values())).model_copy(update={"lidar": None})

@@ -78,9 +78,9 @@ def test_a_way_costs_what_dijkstra_says(seed, layers, rows, columns, walls):
     ("prices", "start", "told"),
     [
         ([[1.0, 2.0]], (0, 0, 0), "prices: shape"),
-        ([[[1.0]]] * 2, (0, 0, 0), r"prices: shape \(2, 1, 1\), wanted \(1 or 8"),
-        ([[[0.5]]], (0, 0, 0), r"prices\[0, 0, 0\] is 0.5, wanted 1 or more"),
-        ([[[math.nan]]], (0, 0, 0), "wanted 1 or more"),
+        ([[[1.0]]] * 2, (0, 0, 0), r"prices: shape \(2, 1, 1\), expected \(1 or 8"),
+        ([[[0.5]]], (0, 0, 0), r"prices\[0, 0, 0\] is 0.5, expected 1 or more"),
+        ([[[math.nan]]], (0, 0, 0), "expected 1 or more"),
         ([[[1.0]]], (0, 0, 1), r"start\[2\] is 1, outside"),
         ([[[1.0]]], (0, -1, 0), r"start\[1\] is -1, outside"),
         ([[[1.0]]], (0, 0), "start: shape"),
@@ -214,10 +214,10 @@ def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
 )
 def test_discs_hold_the_robot(name, given, row):
     robot = Scenario.load(name, n=2, **given).build().robots[0]
-    centres, radius = discs_of(robot)
-    assert (len(centres) > 1) == row
+    centers, radius = discs_of(robot)
+    assert (len(centers) > 1) == row
     points = footprint(robot)
-    far = np.hypot(points[:, :1] - centres, points[:, 1:])
+    far = np.hypot(points[:, :1] - centers, points[:, 1:])
     assert far.min(axis=1).max() <= radius + 1e-9
 
 
@@ -229,8 +229,8 @@ def test_one_disc_holds_all_links_of_an_arm_on_wheels(monkeypatch):
     arms = [robot for robot in trees if any(link.shapes for link in robot.links[1:])]
     assert len(arms) > 10
     for robot in arms:
-        centres, radius = discs_of(robot)
-        assert centres.tolist() == [0.0]
+        centers, radius = discs_of(robot)
+        assert centers.tolist() == [0.0]
         assert radius == reaches(robot)[robot.root]
 
 
@@ -240,12 +240,12 @@ def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():
     guide, at = simulator._guide, np.array([1.0, -0.5, 0.4])
     grid = guide._grid(0, 0, 0)
     _, closed = guide._takes(0, grid, 1, at, room=True)
-    centres, radius = guide._discs[0]
-    assert len(centres) > 1
+    centers, radius = guide._discs[0]
+    assert len(centers) > 1
     for layer, a, b in np.ndindex(closed.shape):
         q = [grid.axis(0)[a], grid.axis(1)[b], layer * math.pi / 4]
         mine, other = (
-            [(x + c * math.cos(t), y + c * math.sin(t)) for c in centres] for x, y, t in (q, at)
+            [(x + c * math.cos(t), y + c * math.sin(t)) for c in centers] for x, y, t in (q, at)
         )
         far = min(math.dist(p, o) for p in mine for o in other)
         assert closed[layer, a, b] == (far < 2 * radius)
@@ -318,5 +318,5 @@ def test_who_cannot_be_guided_is_told(name, options, told):
 
 
 def test_a_path_that_is_no_kind_is_told():
-    with pytest.raises(ValueError, match="path: 'curved', wanted straight or shortest"):
+    with pytest.raises(ValueError, match="path: 'curved', expected straight or shortest"):
         Observation(path="curved")

@@ -143,5 +143,5 @@ def test_each_world_has_its_own() -> None:
     simulator.step(actions)
     at_rest, driving = (Results.of(simulator, k).robots[0] for k in (0, 1))
     assert at_rest.path_length == 0.0 < driving.path_length
-    with pytest.raises(ValueError, match="world: 2, wanted 0 to 1"):
+    with pytest.raises(ValueError, match="world: got 2, expected 0 to 1"):
         Results.of(simulator, 2)

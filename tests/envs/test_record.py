@@ -269,7 +269,7 @@ def test_other_files_are_told(tmp_path: Path, saved: bytes) -> None:
     with np.load(tmp_path / "run.npz") as file:
         parts = {name: file[name] for name in file.files}
     for change, told in (
-        ({"format": "fgenv record 2"}, "is 'fgenv record 2', wanted 'fgenv record 1'; use the"),
+        ({"format": "fgenv record 2"}, "is 'fgenv record 2', expected 'fgenv record 1'; use the"),
         ({"actions": parts["actions"] * 0.5}, "is damaged"),
         ({"scenario": str(parts["scenario"]).replace("swap", "swop")}, "is damaged"),
         ({"rewards": np.array(["x"])}, "is damaged"),
@@ -280,7 +280,7 @@ def test_other_files_are_told(tmp_path: Path, saved: bytes) -> None:
 
 
 def test_names_that_are_no_npz_are_told(record: Record, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"wanted a name that ends in \.npz"):
+    with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
         record.save(tmp_path / "run.json")
     with pytest.raises(FileNotFoundError):
         record.save(tmp_path / "none" / "run.npz")
@@ -314,7 +314,7 @@ def test_replay_tells_the_first_step_that_differs(record: Record, name: str, tol
 def test_arrays_that_do_not_fit_are_told(record: Record) -> None:
     arrays = {key: np.array(record[key]) for key in ARRAYS}
     arrays["hits"] = arrays["hits"][:-1]
-    with pytest.raises(RecordError, match=r"hits has shape \(39, 3\), wanted \(40, 3\)"):
+    with pytest.raises(RecordError, match=r"hits has shape \(39, 3\), expected \(40, 3\)"):
         Record(record.scenario, record.about, arrays)
 
 
@@ -325,17 +325,17 @@ def test_wrong_use_is_told() -> None:
     recorder = Recorder()
     with pytest.raises(RuntimeError, match="nothing is recorded"):
         recorder.record()
-    with pytest.raises(ValueError, match="wanted autoreset=False"):
+    with pytest.raises(ValueError, match="expected autoreset=False"):
         recorder.begin(Simulator("swap", n=2))
     simulator = Simulator("swap", n=2, autoreset=False)
     with pytest.raises(ValueError, match="call reset"):
         recorder.begin(simulator)
     simulator.reset(seed=0)
-    with pytest.raises(ValueError, match="world: 1, wanted 0 to 0"):
+    with pytest.raises(ValueError, match="world: got 1, expected 0 to 0"):
         recorder.begin(simulator, 1)
     actions = simulator.sample(np.random.default_rng(0))
     step = simulator.step(actions)
-    with pytest.raises(RuntimeError, match=r"wanted begin\(\)"):
+    with pytest.raises(RuntimeError, match=r"expected begin\(\)"):
         recorder.add(actions, step)
     with pytest.raises(ValueError, match="at the start of an episode"):
         recorder.begin(simulator)

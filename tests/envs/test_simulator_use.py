@@ -89,7 +89,7 @@ def test_a_robot_that_would_observe_nothing_is_refused() -> None:
 
 @pytest.mark.parametrize("name", ["observation", "reward"])
 def test_settings_of_a_wrong_kind_are_told(name: str) -> None:
-    with pytest.raises(TypeError, match=rf"{name}: 3, wanted fgenv\.envs\.{name.title()}"):
+    with pytest.raises(TypeError, match=rf"{name}: got 3, expected fgenv\.envs\.{name.title()}"):
         Simulator("swap", **{name: 3})  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="way_point_seconds: 'a'"):
         Simulator("swap", way_point_seconds="a")  # type: ignore[arg-type]

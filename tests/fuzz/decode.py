@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from oracles.solids import angle_iron, ball, box, together
 
-Array = NDArray[np.float64]
-Mesh = tuple[Array, NDArray[np.int64]]
+from fgenv.arrays import Floats
+
+Mesh = tuple[Floats, NDArray[np.int64]]
 T = TypeVar("T")
 
 TETRAHEDRON = (2.0 * np.eye(4, 3, -1), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
@@ -25,13 +26,13 @@ SOLIDS: list[Mesh] = [
     ball(1.0, 0),
     together(box(4.0), (box(2.0)[0], box(2.0)[1][:, ::-1])),
 ]
-# Metres. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
+# Meters. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
 LEAST, MOST = 1e-60, 1e9
 ODD = [0.0, -0.0, LEAST, 1e-30, 1e-9, 1.0 + 2**-52, 1e6, 1e8, MOST, -MOST]
 BAD = [np.nan, np.inf, -np.inf, 1e300, 2e15]
 
 
-def cube_rotations() -> list[Array]:
+def cube_rotations() -> list[Floats]:
     """The 24 rotations of a cube: whole numbers, so that nothing is rounded."""
     found = []
     for order in itertools.permutations(range(3)):
@@ -97,7 +98,7 @@ class Reader:
             vertices, faces = self._changed(vertices, faces, exact)
         return vertices, faces
 
-    def _changed(self, vertices: Array, faces: NDArray[np.int64], exact: bool) -> Mesh:
+    def _changed(self, vertices: Floats, faces: NDArray[np.int64], exact: bool) -> Mesh:
         what, face, vertex = self.byte() % 8, self.byte() % len(faces), self.byte() % len(vertices)
         if what == 0 and len(faces) > 1:  # opened
             faces = np.delete(faces, face, axis=0)
@@ -120,7 +121,7 @@ class Reader:
             vertices = np.clip(vertices * 10.0 ** (self.byte() % 9 - 5), -MOST, MOST)
         return vertices, faces
 
-    def pose(self, exact: bool) -> Array:
+    def pose(self, exact: bool) -> Floats:
         pose = np.eye(4)
         kind = self.byte() % 4
         if kind == 1:
@@ -154,7 +155,7 @@ class Reader:
         return pose
 
 
-def _rotation(w: float, x: float, y: float, z: float) -> Array:
+def _rotation(w: float, x: float, y: float, z: float) -> Floats:
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -9,17 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from oracles.rational import meshes_meet
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide, contact, distance, nearest
 
-Array = NDArray[np.float64]
-Placed = tuple[Shape, Array]
+Placed = tuple[Shape, Floats]
 
 
 def allowance(a: Placed, b: Placed, exact: bool) -> float:
-    """Metres within which a touch may be seen or not."""
+    """Meters within which a touch may be seen or not."""
     reaches = [np.abs(s.vertices).max() + np.abs(T[:3, 3]).max() for s, T in (a, b)]
     return 1e-10 if exact else max(1e-11 * max(reaches), 1e-150)  # squares of less are 0
 
@@ -92,7 +91,7 @@ def of_margin(a: Placed, b: Placed, margins: list[float], exact: bool) -> None:
         assert not collide(*a, *b, margin=gap * (1 - 1e-12)), gap
 
 
-def of_many(a: Placed, b: Placed, other: Array) -> None:
+def of_many(a: Placed, b: Placed, other: Floats) -> None:
     """An array of poses has the answers of its poses, for any number of threads."""
     poses = np.stack([b[1], other, b[1]])
     for query in (collide, distance):
@@ -101,7 +100,7 @@ def of_many(a: Placed, b: Placed, other: Array) -> None:
             assert np.array_equal(query(*a, b[0], poses, threads=threads), one)
 
 
-def of_rays(a: Placed, origins: Array, directions: Array, reach: float) -> None:
+def of_rays(a: Placed, origins: Floats, directions: Floats, reach: float) -> None:
     """Hits lie on the face named, within reach; less reach changes nothing nearer."""
     shape, T = a
     at, faces = shape.raycast(origins, directions, T)
@@ -116,7 +115,7 @@ def of_rays(a: Placed, origins: Array, directions: Array, reach: float) -> None:
     assert (named[~kept] == -1).all()
 
 
-def of_contains(a: Placed, points: Array) -> None:
+def of_contains(a: Placed, points: Floats) -> None:
     """Only for a solid; its own vertices are its own; what is beyond its bounds is not."""
     shape, T = a
     if not shape.watertight:

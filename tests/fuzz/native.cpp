@@ -1,5 +1,5 @@
 // Fuzz target of the native core: bytes as two meshes and a pose, through reading, feature graphs, tree
-// and kernels, under the address and undefined-behaviour sanitizers.
+// and kernels, under the address and undefined-behavior sanitizers.
 //
 //     tests/fuzz/native.sh 3600 CORPUS            # an hour; keeps what it finds (CXX: GCC or Clang)
 //     build/fuzz/native crash-1234                # runs one input again
@@ -37,7 +37,7 @@ namespace {
         }                                                                           \
     } while (false)
 
-// Metres. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
+// Meters. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
 constexpr double least = 1e-60, most = 1e9;
 
 struct Reader {

@@ -8,34 +8,33 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers import Checker, peer
 from fgenv.collision import Shape
 from oracles import rational
 
-Array = NDArray[np.float64]
 
-
-def fcl_checker(a: Mesh, b: Mesh, pose_a: Array) -> Checker:
+def fcl_checker(a: Mesh, b: Mesh, pose_a: Floats) -> Checker:
     """python-fcl on the two meshes."""
     fcl = peer("python-fcl")
     return fcl.pair(fcl.build(a), fcl.build(b), pose_a)
 
 
-def coal_verdicts(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> NDArray[np.bool_]:
+def coal_verdicts(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> NDArray[np.bool_]:
     """coal's verdicts (n,). It calls gaps under 1e-6 units a hit, so its units are made small."""
     checker, _, poses = _coal(a, b, pose_a, poses)
     return checker.collide_all(poses)
 
 
-def coal_distances(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> Array:
-    """coal's distances (n,), metres."""
+def coal_distances(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> Floats:
+    """coal's distances (n,), meters."""
     checker, unit, poses = _coal(a, b, pose_a, poses)
     assert checker.distance_all is not None
     return checker.distance_all(poses) / unit
 
 
-def _coal(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> tuple[Checker, float, Array]:
+def _coal(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> tuple[Checker, float, Floats]:
     """A checker in units of which the bodies measure a million; a power of two changes no digit."""
     coal = peer("coal")
     unit = 2.0 ** round(np.log2(1e6 / max(a.size, b.size)))
@@ -46,7 +45,7 @@ def _coal(a: Mesh, b: Mesh, pose_a: Array, poses: Array) -> tuple[Checker, float
     return coal.pair(*models, pose_a), unit, poses
 
 
-def surfaces_meet(a: Mesh, pose_a: Array, b: Mesh, pose_b: Array) -> bool:
+def surfaces_meet(a: Mesh, pose_a: Floats, b: Mesh, pose_b: Floats) -> bool:
     """Whether the surfaces share a point, in whole numbers."""
     return rational.meshes_meet(a.vertices, a.faces, pose_a, b.vertices, b.faces, pose_b)
 
@@ -61,7 +60,7 @@ def shells(faces: NDArray[np.int32]) -> list[NDArray[np.int32]]:
     return [faces[label == i] for i in range(count)]
 
 
-def is_inside(shape: Shape, points: Array) -> NDArray[np.bool_]:
+def is_inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
     """Whether points (n, 3) of the shape's frame, off its surface, are inside its closed shells.
 
     The solid angle of a closed shell is a whole number of turns.
@@ -78,7 +77,7 @@ def is_inside(shape: Shape, points: Array) -> NDArray[np.bool_]:
     return turns != 0
 
 
-def one_is_inside(a: Shape, pose_a: Array, b: Shape, pose_b: Array) -> bool:
+def one_is_inside(a: Shape, pose_a: Floats, b: Shape, pose_b: Floats) -> bool:
     """Whether a shell of one lies inside the other, given that the surfaces do not meet."""
     for inner, at_inner, outer, at_outer in ((a, pose_a, b, pose_b), (b, pose_b, a, pose_a)):
         relative = np.linalg.inv(at_outer) @ at_inner
@@ -88,13 +87,13 @@ def one_is_inside(a: Shape, pose_a: Array, b: Shape, pose_b: Array) -> bool:
     return False
 
 
-def truth(a: Shape, pose_a: Array, b: Shape, pose_b: Array) -> bool:
+def truth(a: Shape, pose_a: Floats, b: Shape, pose_b: Floats) -> bool:
     """Whether the bodies collide: surfaces in whole numbers, then containment."""
     meet = rational.meshes_meet(a.vertices, a.faces, pose_a, b.vertices, b.faces, pose_b)
     return meet or one_is_inside(a, pose_a, b, pose_b)
 
 
-def is_marginal(a: Mesh, pose_a: Array, b: Mesh, pose_b: Array) -> bool:
+def is_marginal(a: Mesh, pose_a: Floats, b: Mesh, pose_b: Floats) -> bool:
     """Whether moving b by 1e-9 of the size may change whether the surfaces meet."""
     shift = 1e-9 * max(a.size, b.size)
     verdicts = set()
@@ -105,7 +104,7 @@ def is_marginal(a: Mesh, pose_a: Array, b: Mesh, pose_b: Array) -> bool:
     return len(verdicts) > 1
 
 
-def distances_to_surface(shape: Shape, points: Array) -> Array:
+def distances_to_surface(shape: Shape, points: Floats) -> Floats:
     """Distances (n,) of points of the shape's frame to its surface, by libigl."""
     squared = igl.point_mesh_squared_distance(points, shape.vertices, shape.faces.astype(np.int64))
     return np.sqrt(np.atleast_1d(squared[0]))

@@ -11,10 +11,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
+
 Point = tuple[int, int, int]
 Flat = tuple[int, int]
 Triangle = tuple[Point, Point, Point]
-Array = NDArray[np.float64]
 
 
 def sign(value: int) -> int:
@@ -98,8 +99,8 @@ def triangles_meet(first: Triangle, second: Triangle) -> bool:
     return False
 
 
-def world_points(vertices: Array, pose: Array, bits: int) -> list[Point]:
-    """Exact `pose` times `vertices`, in units of 2**-bits metres."""
+def world_points(vertices: Floats, pose: Floats, bits: int) -> list[Point]:
+    """Exact `pose` times `vertices`, in units of 2**-bits meters."""
     rows = [[_whole(pose[i, j], bits // 2) for j in range(3)] for i in range(3)]
     shift = [_whole(pose[i, 3], bits) for i in range(3)]
     points = ([_whole(value, bits // 2) for value in vertex] for vertex in vertices)
@@ -119,7 +120,7 @@ def _whole(value: float, bits: int) -> int:
     return scaled
 
 
-def _bits(*arrays: Array) -> int:
+def _bits(*arrays: Floats) -> int:
     """Binary places that hold every value of the arrays."""
     mantissa, exponent = np.frexp(np.concatenate([array.ravel() for array in arrays]))
     lowest = exponent[mantissa != 0].min(initial=0)
@@ -127,19 +128,19 @@ def _bits(*arrays: Array) -> int:
 
 
 def meshes_meet(
-    vertices_a: Array,
+    vertices_a: Floats,
     faces_a: NDArray[np.int32],
-    pose_a: Array,
-    vertices_b: Array,
+    pose_a: Floats,
+    vertices_b: Floats,
     faces_b: NDArray[np.int32],
-    pose_b: Array,
+    pose_b: Floats,
 ) -> bool:
     """Whether two surfaces share a point. Faces without area are left out."""
     bits = 2 * _bits(vertices_a, vertices_b, pose_a, pose_b)
     points_a, points_b = {}, {}
 
     def exact(
-        points: dict[int, Point], vertices: Array, pose: Array, face: NDArray[np.int32]
+        points: dict[int, Point], vertices: Floats, pose: Floats, face: NDArray[np.int32]
     ) -> Triangle:
         for v in face.tolist():
             if v not in points:
@@ -161,12 +162,12 @@ def _area(triangle: Triangle) -> bool:
 
 
 def candidates(
-    vertices_a: Array,
+    vertices_a: Floats,
     faces_a: NDArray[np.int32],
-    pose_a: Array,
-    vertices_b: Array,
+    pose_a: Floats,
+    vertices_b: Floats,
     faces_b: NDArray[np.int32],
-    pose_b: Array,
+    pose_b: Floats,
 ) -> Iterator[tuple[int, int]]:
     """Pairs of faces that doubles can't tell apart (with a generous allowance for rounding)."""
     a = _corners(vertices_a, faces_a, pose_a)
@@ -183,18 +184,18 @@ def candidates(
             yield from ((int(i), int(j)) for j in some[_not_parted(a[i], b[some], slack)])
 
 
-def _corners(vertices: Array, faces: NDArray[np.int32], pose: Array) -> Array:
+def _corners(vertices: Floats, faces: NDArray[np.int32], pose: Floats) -> Floats:
     return np.asarray((vertices @ pose[:3, :3].T + pose[:3, 3])[faces])
 
 
-def _boxes_meet(corners: Array, others: Array, slack: float) -> NDArray[np.intp]:
+def _boxes_meet(corners: Floats, others: Floats, slack: float) -> NDArray[np.intp]:
     low, high = others.min(axis=0) - slack, others.max(axis=0) + slack
     return np.flatnonzero(
         ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
     )
 
 
-def _not_parted(triangle: Array, others: Array, slack: float) -> NDArray[np.bool_]:
+def _not_parted(triangle: Floats, others: Floats, slack: float) -> NDArray[np.bool_]:
     """Which of `others` (n, 3, 3) are not clearly on one side of the plane of `triangle`."""
     normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
     length = np.linalg.norm(normal)

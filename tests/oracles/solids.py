@@ -1,4 +1,4 @@
-"""Small solids whose collisions are known on paper: (vertices, faces), metres, wound outward."""
+"""Small solids whose collisions are known on paper: (vertices, faces), meters, wound outward."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.poses import random_rotations
 
-Array = NDArray[np.float64]
-Solid = tuple[Array, NDArray[np.int64]]
+Solid = tuple[Floats, NDArray[np.int64]]
 
 
 def box(x: float = 1.0, y: float | None = None, z: float | None = None) -> Solid:
@@ -77,15 +77,15 @@ def opened(solid: Solid, count: int = 2) -> Solid:
     return solid[0], solid[1][:-count]
 
 
-def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
+def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Floats:
     """The pose that moves by (x, y, z)."""
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
     return pose
 
 
-def somewhere(rng: np.random.Generator, reach: float = 1.0) -> Array:
-    """A pose turned at random, within about `reach` metres."""
+def somewhere(rng: np.random.Generator, reach: float = 1.0) -> Floats:
+    """A pose turned at random, within about `reach` meters."""
     pose = at(*rng.normal(size=3) * reach)
     pose[:3, :3] = random_rotations(rng, 1)[0]
     return pose

@@ -9,22 +9,19 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from support.meshes import pairs
 
+from fgenv.arrays import Flags, Floats
 from fgenv.bench.common.poses import random_rotations
 from fgenv.collision import Shape, collide, distance
 from fgenv.collision.world import World
 from oracles.solids import angle_iron, ball, box, opened, somewhere
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-
 
 @cache
 def shapes() -> tuple[Shape, ...]:
-    """Bodies of about half a metre: solid and open, convex and not, and two real ones."""
+    """Bodies of about half a meter: solid and open, convex and not, and two real ones."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         made = [box(0.5), ball(0.3), angle_iron(0.6, 0.15, 0.4), opened(box(0.5, 0.4, 0.3))]
@@ -34,7 +31,7 @@ def shapes() -> tuple[Shape, ...]:
         return tuple(Shape(*solid) for solid in made)
 
 
-def along(T0: Array, T1: Array, t: Array) -> Array:
+def along(T0: Floats, T1: Floats, t: Floats) -> Floats:
     """Poses (n, 4, 4) at fractions t (n,) of motions from T0 to T1, one or n of them.
 
     Position is linear, orientation takes the shortest arc from T0's.
@@ -48,15 +45,15 @@ def along(T0: Array, T1: Array, t: Array) -> Array:
     return out
 
 
-def turned(angle: float, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Array:
+def turned(angle: float, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Floats:
     """The pose that turns by `angle` about an axis through the origin."""
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis)).as_matrix()
     return pose
 
 
-def nudged(rng: np.random.Generator, pose: Array, reach: float, turn: float = 1.0) -> Array:
-    """The pose moved by about `reach` metres and turned by about `turn` radians."""
+def nudged(rng: np.random.Generator, pose: Floats, reach: float, turn: float = 1.0) -> Floats:
+    """The pose moved by about `reach` meters and turned by about `turn` radians."""
     out = pose @ turned(rng.normal() * turn, tuple(rng.normal(size=3)))
     out[:3, 3] = pose[:3, 3] + rng.normal(size=3) * reach
     return out
@@ -67,13 +64,13 @@ class Item:
     """A body of the model."""
 
     shape: Shape
-    pose: Array
+    pose: Floats
     groups: set[str] = field(default_factory=set)
     allowed: set[int] = field(default_factory=set)
     carrier: int | None = None
-    offset: Array = field(default_factory=lambda: np.eye(4))  # in the root's frame
-    times: Array | None = None
-    poses: Array | None = None
+    offset: Floats = field(default_factory=lambda: np.eye(4))  # in the root's frame
+    times: Floats | None = None
+    poses: Floats | None = None
 
 
 class Model:
@@ -85,7 +82,7 @@ class Model:
 
     # Changes
 
-    def add(self, body: int, shape: Shape, pose: Array, groups: Iterable[str] = ()) -> None:
+    def add(self, body: int, shape: Shape, pose: Floats, groups: Iterable[str] = ()) -> None:
         self.items[body] = Item(shape, pose.copy(), set(groups))
 
     def remove(self, body: int) -> None:
@@ -95,7 +92,7 @@ class Model:
         for item in self.items.values():
             item.allowed.discard(body)
 
-    def set_pose(self, body: int, pose: Array) -> None:
+    def set_pose(self, body: int, pose: Floats) -> None:
         for part in self.parts(body):
             self.items[part].pose = pose @ self.items[part].offset
 
@@ -121,7 +118,7 @@ class Model:
         for pair in ((a, b), (b, a)):
             (self.groups.add if allowed else self.groups.discard)(pair)
 
-    def set_trajectory(self, body: int, times: Array | None, poses: Array | None) -> None:
+    def set_trajectory(self, body: int, times: Floats | None, poses: Floats | None) -> None:
         self.items[body].times, self.items[body].poses = times, poses
 
     # Who is what
@@ -152,7 +149,7 @@ class Model:
             if not self.ignores(part, other):
                 yield part, other
 
-    def pose(self, body: int, times: Array | None = None) -> Array:
+    def pose(self, body: int, times: Floats | None = None) -> Floats:
         """Where a body is: (4, 4) now, or (n, 4, 4) at times (n,)."""
         item, root = self.items[body], self.items[self.root(body)]
         if times is None or root.times is None:
@@ -170,10 +167,10 @@ class Model:
     # Queries
 
     def hits(
-        self, robot: int, poses: Array, times: Array | None = None, margin: float = 0.0
-    ) -> dict[int, Bools]:
+        self, robot: int, poses: Floats, times: Floats | None = None, margin: float = 0.0
+    ) -> dict[int, Flags]:
         """Per body: at which of the robot's poses (n, 4, 4) it is met."""
-        found: dict[int, Bools] = {}
+        found: dict[int, Flags] = {}
         for part, other in self.pairs(robot):
             item, there = self.items[part], self.pose(other, times)
             hit = collide(
@@ -188,16 +185,18 @@ class Model:
         return found
 
     def collides(
-        self, robot: int, poses: Array, times: Array | None = None, margin: float = 0.0
-    ) -> Bools:
+        self, robot: int, poses: Floats, times: Floats | None = None, margin: float = 0.0
+    ) -> Flags:
         hit = np.zeros(len(poses), np.bool_)
         for found in self.hits(robot, poses, times, margin).values():
             hit |= found
         return hit
 
-    def distances(self, robot: int, poses: Array, times: Array | None = None) -> dict[int, Array]:
+    def distances(
+        self, robot: int, poses: Floats, times: Floats | None = None
+    ) -> dict[int, Floats]:
         """Per body: its distance from the robot at poses (n, 4, 4)."""
-        found: dict[int, Array] = {}
+        found: dict[int, Floats] = {}
         for part, other in self.pairs(robot):
             item, there = self.items[part], self.pose(other, times)
             place = poses if part == robot else poses @ item.offset
@@ -219,7 +218,7 @@ class Model:
 def scatter(
     rng: np.random.Generator, count: int, reach: float, masks: str = "path"
 ) -> tuple[World, Model]:
-    """A world of bodies at random within about `reach` metres, and its model."""
+    """A world of bodies at random within about `reach` meters, and its model."""
     world, model = World(masks=masks), Model()
     pool = shapes()
     for _ in range(count):
@@ -234,8 +233,8 @@ def carry(world: World, model: Model, body: int, carrier: int) -> None:
     model.attach(body, carrier)
 
 
-def wander(rng: np.random.Generator, count: int, reach: float) -> Array:
-    """Poses (count, 4, 4) at random, within about `reach` metres."""
+def wander(rng: np.random.Generator, count: int, reach: float) -> Floats:
+    """Poses (count, 4, 4) at random, within about `reach` meters."""
     out = np.tile(np.eye(4), (count, 1, 1))
     out[:, :3, :3] = random_rotations(rng, count)
     out[:, :3, 3] = rng.normal(size=(count, 3)) * reach

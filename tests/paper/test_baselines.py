@@ -6,9 +6,9 @@ import fcl
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh, load
 from fgenv.bench.common.poses import random_poses, random_rotations
 from fgenv.paper.baselines import (
@@ -23,8 +23,6 @@ from fgenv.paper.baselines import (
     move,
     voxels,
 )
-
-Floats = NDArray[np.float64]
 
 
 def body(mesh: trimesh.Trimesh, name: str = "") -> Mesh:
@@ -42,7 +40,7 @@ def pair() -> tuple[Mesh, Mesh]:
 
 
 def tumble(rng: np.random.Generator, count: int, spread: float) -> Floats:
-    """Poses (count, 4, 4) with any rotation and a normal offset of `spread` metres."""
+    """Poses (count, 4, 4) with any rotation and a normal offset of `spread` meters."""
     poses = np.tile(np.eye(4), (count, 1, 1))
     poses[:, :3, :3] = random_rotations(rng, count)
     poses[:, :3, 3] = rng.normal(scale=spread, size=(count, 3))
@@ -115,8 +113,8 @@ def test_obb_holds_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None
 
 def test_sphere_is_smallest_on_known_shapes() -> None:
     cube = body(trimesh.creation.box((2.0, 2.0, 2.0)))
-    centre, radius = Sphere._bound(cube)
-    assert centre == pytest.approx(np.zeros(3), abs=1e-9)
+    center, radius = Sphere._bound(cube)
+    assert center == pytest.approx(np.zeros(3), abs=1e-9)
     assert radius == pytest.approx(np.sqrt(3.0))
     rod = body(trimesh.creation.cylinder(0.1, 2.0))
     assert Sphere._bound(rod)[1] == pytest.approx(np.hypot(1.0, 0.1), rel=1e-6)
@@ -125,11 +123,11 @@ def test_sphere_is_smallest_on_known_shapes() -> None:
 def test_sphere_holds_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None:
     rng = np.random.default_rng(4)
     sphere, found = Sphere(*pair), []
-    (centre_a, radius_a), (centre_b, radius_b) = (Sphere._bound(mesh) for mesh in pair)
-    assert np.linalg.norm(pair[0].vertices - centre_a, axis=1).max() <= radius_a
+    (center_a, radius_a), (center_b, radius_b) = (Sphere._bound(mesh) for mesh in pair)
+    assert np.linalg.norm(pair[0].vertices - center_a, axis=1).max() <= radius_a
     at = [np.eye(4), np.eye(4)]
     for pose_a, pose_b in zip(tumble(rng, 800, 0.05), tumble(rng, 800, 0.05), strict=True):
-        at[0][:3, 3], at[1][:3, 3] = move(pose_a, centre_a), move(pose_b, centre_b)
+        at[0][:3, 3], at[1][:3, 3] = move(pose_a, center_a), move(pose_b, center_b)
         found.append(sphere.collides(pose_a, pose_b))
         assert found[-1] == fcl_hit(fcl.Sphere(radius_a), at[0], fcl.Sphere(radius_b), at[1])
     assert 200 < sum(found) < 600

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh, load
 from fgenv.bench.common.poses import random_poses, random_rotations
 from fgenv.bench.comparison import PAIRS
@@ -22,7 +23,6 @@ from fgenv.collision import FeatureGraph, Shape, collide
 from fgenv.paper import method
 from fgenv.paper.method import ALPHA_RIDGE, ALPHA_VALLEY, Node
 
-Floats = NDArray[np.float64]
 L_OUTLINE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 
 

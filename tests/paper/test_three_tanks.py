@@ -10,19 +10,18 @@ import fcl
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 from PIL import Image
 from typer.testing import CliRunner
 
 from fgenv.agents import Arrived, Experiment, Hit, MasksCleared, MasksSet, facts, run_experiment
 from fgenv.agents.events import Event
+from fgenv.arrays import Floats
 from fgenv.cli import app
 from fgenv.collision.world import Record
 from fgenv.paper.figures import draw_figures
 from fgenv.scenarios import Scene, bounds, three_tanks
 from fgenv.scenarios.se2 import as_path, as_poses, reach, refine
 
-Array = NDArray[np.float64]
 PUBLISHED = {"robot": 1, "tank 1": 0, "tank 2": 1, "tank 3": 1}
 NONE = dict.fromkeys(PUBLISHED, 0)
 
@@ -55,7 +54,7 @@ class Peer:
         pose = body.pose
         return fcl.CollisionObject(model, fcl.Transform(pose[:3, :3], pose[:3, 3]))
 
-    def hits(self, q: Array) -> list[str]:
+    def hits(self, q: Floats) -> list[str]:
         pose = as_poses(q, self.height)
         self.mover.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
         return [name for name, other in self.others.items() if fcl.collide(self.mover, other)]
@@ -104,7 +103,7 @@ def test_first_contact_agrees_with_fcl(experiment: Experiment) -> None:
     assert hit.bracket <= 1e-4
     assert np.linalg.norm(np.subtract(hit.after, touching)) < 2e-6
     assert not peer.hits(np.array(hit.before) - (free - path[0]) * 1e-9)
-    # At half a metre a second along the path, the time is the way.
+    # At half a meter a second along the path, the time is the way.
     assert hit.time == pytest.approx(np.linalg.norm(touching[:2] - path[0, :2]) / 0.5, abs=1e-5)
 
 
@@ -192,7 +191,7 @@ def test_loop_method_misses_nothing_before_the_truth(experiment: Experiment) -> 
 # Masks -------------------------------------------------------------------------------------------
 
 
-def random_path(rng: np.random.Generator) -> Array:
+def random_path(rng: np.random.Generator) -> Floats:
     return rng.uniform((-3, -3, -7), (3, 3, 7), size=(rng.integers(2, 6), 3))
 
 

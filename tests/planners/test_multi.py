@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.multi.conflict_based import conflict_based
 from fgenv.planners.multi.conflict_tree import Search
@@ -24,7 +24,6 @@ from fgenv.planners.sipp.safe_intervals import stays
 from fgenv.planners.sipp.sipp import Effort, sipp
 from fgenv.scenarios import Scenario
 
-Floats = NDArray[np.float64]
 METHODS = {"prioritized": prioritized, "conflict_based": conflict_based}
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("swap", {"n": 4}),
@@ -272,8 +271,8 @@ def test_safe_intervals_find_what_time_steps_find() -> None:
         safe = Dangers(rng, graph, 12)
         roadmap: Any = graph
         track = sipp(roadmap, 0, 4, safe, Effort())
-        wanted = soonest(graph, safe, 0, 4)
-        assert (track and track.arrival) == wanted
+        expected = soonest(graph, safe, 0, 4)
+        assert (track and track.arrival) == expected
         found += track is not None
     assert found > 50
 

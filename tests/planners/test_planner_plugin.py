@@ -152,7 +152,7 @@ def test_a_space_that_does_not_fit_is_told() -> None:
     robot = cart()
     world = room(robot)
     si = ob.SpaceInformation(ob.SE3StateSpace())
-    with pytest.raises(ValueError, match=r"si: a space of SE3, wanted SE2; .*space_of"):
+    with pytest.raises(ValueError, match=r"si: a space of SE3, expected SE2; .*space_of"):
         StateValidityChecker(si, "cart", world)
     si = ob.SpaceInformation(ob.SE2StateSpace())
     with pytest.raises(ValueError, match="no body is named 'truck'"):
@@ -337,7 +337,7 @@ def test_setup_tells_who_is_in_the_way() -> None:
     )
     with pytest.raises(PlanningError, match="start of 'robot 1': collides with robot 2"):
         setup(crowded, "robot 1")
-    with pytest.raises(ValueError, match="robot: 'robot 9', wanted one of robot 1, robot 2"):
+    with pytest.raises(ValueError, match="robot: 'robot 9', expected one of robot 1, robot 2"):
         setup(scenario, "robot 9")
 
 

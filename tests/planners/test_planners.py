@@ -8,13 +8,12 @@ import fcl
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.planners import PlanarChecker, PlanningError, plan_planar, prove_free, rrt_connect
 from fgenv.scenarios.se2 import as_path, as_poses, reach, refine
 
-Array = NDArray[np.float64]
 SQUARE = [[-2.0, -2.0], [2.0, 2.0]]
 START, GOAL = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
 
@@ -45,7 +44,7 @@ def wall_with_a_gap(robot: trimesh.Trimesh | None = None, margin: float = 0.0) -
     return checker_of(robot or box(0.2, 0.9), *walls, margin=margin)
 
 
-def fcl_free(checker: PlanarChecker, path: Array, step: float) -> bool:
+def fcl_free(checker: PlanarChecker, path: Floats, step: float) -> bool:
     """Whether python-fcl finds the path free at a fine step."""
 
     def model(shape: Shape) -> fcl.BVHModel:
@@ -217,9 +216,9 @@ def test_proof_knows_the_clearance() -> None:
 
 
 def test_a_path_that_is_not_proved_is_planned_anew() -> None:
-    seen: list[Array] = []
+    seen: list[Floats] = []
 
-    def proof(path: Array) -> bool:
+    def proof(path: Floats) -> bool:
         seen.append(path)
         return len(seen) == 2
 

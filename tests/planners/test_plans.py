@@ -347,7 +347,7 @@ def test_a_certificate_is_of_all_robots() -> None:
         [plan.configurations[0], plan.configurations[1][:-1]],
     ):
         with pytest.raises(
-            ValueError, match=r"configurations: shapes .*, wanted \(steps \+ 1, nq\)"
+            ValueError, match=r"configurations: shapes .*, expected \(steps \+ 1, nq\)"
         ):
             certify(problem, wrong)
     with pytest.raises(ValueError, match="a Problem has its own"):
@@ -372,7 +372,7 @@ def test_failures_say_why() -> None:
         fgenv.plan("doorway", "RTT", n=1)
     with pytest.raises(ValueError, match="time_limit: 0"):
         fgenv.plan("doorway", n=1, time_limit=0)
-    with pytest.raises(ValueError, match="objective: 'beauty', wanted one of length"):
+    with pytest.raises(ValueError, match="objective: 'beauty', expected one of length"):
         fgenv.plan("doorway", n=1, objective="beauty")
     with pytest.raises(ValueError, match="margin: -1"):
         fgenv.plan("doorway", n=1, margin=-1)
@@ -414,7 +414,7 @@ def test_a_plan_that_was_changed_is_refused(plan: Plan, tmp_path: Path) -> None:
         verify(file)
     with pytest.raises(FileNotFoundError):
         verify(tmp_path / "none.npz")
-    with pytest.raises(ValueError, match=r"wanted a name that ends in \.npz"):
+    with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
         plan.save(tmp_path / "plan.json")
 
 

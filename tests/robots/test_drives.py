@@ -88,21 +88,21 @@ ACTIONS: list[tuple[Drive, str, list[tuple[str, str, float, float]]]] = [
 ]
 
 
-@pytest.mark.parametrize(("drive", "base", "wanted"), ACTIONS, ids=lambda x: type(x).__name__)
-def test_an_action_and_its_limits(drive: Drive, base: str, wanted: list[Any]) -> None:
+@pytest.mark.parametrize(("drive", "base", "expected"), ACTIONS, ids=lambda x: type(x).__name__)
+def test_an_action_and_its_limits(drive: Drive, base: str, expected: list[Any]) -> None:
     robot = arm(base, drive=drive)
     actions = robot.actions
     assert actions == drive.actions(robot)
-    assert [action[:2] for action in actions] == [item[:2] for item in wanted]
+    assert [action[:2] for action in actions] == [item[:2] for item in expected]
     np.testing.assert_allclose(
-        [(a.low, a.high) for a in actions], [item[2:] for item in wanted], rtol=1e-14
+        [(a.low, a.high) for a in actions], [item[2:] for item in expected], rtol=1e-14
     )
     assert all(action.rate > 0 for action in actions)
     assert pickle.loads(pickle.dumps(robot)).drive == drive
 
 
-@pytest.mark.parametrize(("drive", "base", "wanted"), ACTIONS, ids=lambda x: type(x).__name__)
-def test_a_drive_that_does_not_fit_is_refused(drive: Drive, base: str, wanted: list[Any]) -> None:
+@pytest.mark.parametrize(("drive", "base", "expected"), ACTIONS, ids=lambda x: type(x).__name__)
+def test_a_drive_that_does_not_fit_is_refused(drive: Drive, base: str, expected: list[Any]) -> None:
     if isinstance(drive, JointVelocity):
         with pytest.raises(ValueError, match="JointVelocity moves joints, 'robot' has none"):
             Robot("robot", [Link("a")], drive=drive)
@@ -113,16 +113,22 @@ def test_a_drive_that_does_not_fit_is_refused(drive: Drive, base: str, wanted: l
 
 
 FAULTS: list[tuple[Any, str]] = [
-    (lambda: Holonomic(0.0, 1.0), "Holonomic: speed: 0, wanted a limit over 0"),
-    (lambda: Holonomic(math.inf, 1.0), "Holonomic: speed: inf, wanted a finite number"),
+    (lambda: Holonomic(0.0, 1.0), "Holonomic: speed: got 0, expected a limit over 0"),
+    (lambda: Holonomic(math.inf, 1.0), "Holonomic: speed: inf, expected a finite number"),
     (lambda: Drone(1.0, math.nan), "Drone: turn_rate: nan"),
     (lambda: Car(1.0, -2.0, 1.0), "Car: min_turning_radius: -2.0"),
     (lambda: DifferentialDrive(1.0, 1.0, acceleration=-1.0), "DifferentialDrive: acceleration"),
     (lambda: DifferentialDrive("1", 1.0), "DifferentialDrive: speed: '1'"),  # type: ignore[arg-type]
-    (lambda: MobileManipulator(JointVelocity()), "platform: JointVelocity, wanted one that moves"),
-    (lambda: MobileManipulator(None), "platform: NoneType, wanted a Drive"),  # type: ignore[arg-type]
-    (lambda: arm(speed=math.inf, drive=JointVelocity()), "'elbow' has no speed limit, wanted Join"),
-    (lambda: arm(drive="car"), "drive: str, wanted a Drive"),  # type: ignore[arg-type]
+    (
+        lambda: MobileManipulator(JointVelocity()),
+        "platform: JointVelocity, expected one that moves",
+    ),
+    (lambda: MobileManipulator(None), "platform: NoneType, expected a Drive"),  # type: ignore[arg-type]
+    (
+        lambda: arm(speed=math.inf, drive=JointVelocity()),
+        "'elbow' has no speed limit, expected Join",
+    ),
+    (lambda: arm(drive="car"), "drive: str, expected a Drive"),  # type: ignore[arg-type]
 ]
 
 

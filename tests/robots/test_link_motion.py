@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from support.robots import URDFS, place, random_tree, real
 
+from fgenv.arrays import Floats
 from fgenv.robots import Joint, Link, LinkMotion, Robot
 
-Floats = NDArray[np.float64]
 SEEDS = st.integers(0, 2**32 - 1)
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")

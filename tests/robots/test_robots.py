@@ -15,15 +15,14 @@ import pinocchio
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from ompl import base as ob
 from support import TESTS
 from support.robots import BOX, ROOM, URDFS, random_tree, real, urdf
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
 
-Floats = NDArray[np.float64]
 SEEDS = st.integers(0, 2**32 - 1)
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
@@ -123,8 +122,8 @@ def test_a_tree_is_the_product_of_its_joints(seed: int) -> None:
         elif joint.moves:
             x = value[joint.name]
         poses[link.name] = poses[joint.parent] @ joint.origin @ joint_pose(joint, x)
-    wanted = [poses[link.name] for link in robot.links]
-    np.testing.assert_allclose(robot.forward(q), wanted, rtol=0, atol=1e-12)
+    expected = [poses[link.name] for link in robot.links]
+    np.testing.assert_allclose(robot.forward(q), expected, rtol=0, atol=1e-12)
 
 
 def joint_pose(joint: Joint, x: float) -> Floats:
@@ -152,8 +151,8 @@ def test_planar_base_by_hand() -> None:
     robot = Robot("cart", [Link("body")], base="planar", mount=shift(0, 0, 0.1))
     assert robot.coordinates == ("x", "y", "yaw")
     assert (robot.nq, robot.dof) == (3, 3)
-    wanted = shift(1, 2, 0.1) @ turn_z(0.3)
-    np.testing.assert_allclose(robot.forward([1, 2, 0.3], "body"), wanted, atol=1e-15)
+    expected = shift(1, 2, 0.1) @ turn_z(0.3)
+    np.testing.assert_allclose(robot.forward([1, 2, 0.3], "body"), expected, atol=1e-15)
 
 
 def test_free_base_by_hand() -> None:
@@ -162,7 +161,7 @@ def test_free_base_by_hand() -> None:
     h = math.sqrt(0.5)
     pose = robot.forward([1, 2, 3, 0, 0, h, h], "body")  # x, y, z, w: a quarter turn about z
     np.testing.assert_allclose(pose, shift(1, 2, 3) @ turn_z(math.pi / 2), atol=1e-15)
-    with pytest.raises(ValueError, match=r"length 0\.5, wanted length 1"):
+    with pytest.raises(ValueError, match=r"length 0\.5, expected length 1"):
         robot.forward([0, 0, 0, 0, 0, 0, 0.5])
 
 
@@ -174,9 +173,9 @@ def test_a_mobile_manipulator_is_a_base_with_joints() -> None:
     robot = Robot("m", [Link("arm"), Link("base"), Link("mast")], joints, base="planar")
     assert [link.name for link in robot.links] == ["base", "mast", "arm"]
     assert robot.coordinates == ("x", "y", "yaw", "lift", "elbow")
-    wanted = shift(1, 0, 0) @ turn_z(0.5) @ shift(0, 0, 0.4) @ shift(0.2, 0, 0) @ turn_z(0.2)
+    expected = shift(1, 0, 0) @ turn_z(0.5) @ shift(0, 0, 0.4) @ shift(0.2, 0, 0) @ turn_z(0.2)
     pose = robot.forward([1, 0, 0.5, 0.4, 0.2], "arm")
-    np.testing.assert_allclose(pose, wanted, atol=1e-15)
+    np.testing.assert_allclose(pose, expected, atol=1e-15)
 
 
 def test_mimic_follows_through_another_mimic() -> None:
@@ -218,8 +217,8 @@ def test_planar_way_is_that_of_ompl() -> None:
             state.setY(q[1])
             state.setYaw(q[2])
         space.interpolate(a, b, t, c)
-        wanted = [c.getX(), c.getY(), c.getYaw()]
-        np.testing.assert_allclose(robot.interpolate(q0, q1, t), wanted, rtol=0, atol=1e-9)
+        expected = [c.getX(), c.getY(), c.getYaw()]
+        np.testing.assert_allclose(robot.interpolate(q0, q1, t), expected, rtol=0, atol=1e-9)
 
 
 def test_free_way_is_that_of_ompl() -> None:
@@ -235,8 +234,8 @@ def test_free_way_is_that_of_ompl() -> None:
             for name, value in zip("xyzw", q[3:], strict=True):
                 setattr(state.rotation(), name, value)
         space.interpolate(a, b, t, c)
-        wanted = [c.getX(), c.getY(), c.getZ(), *(getattr(c.rotation(), n) for n in "xyzw")]
-        np.testing.assert_allclose(robot.interpolate(q0, q1, t), wanted, rtol=0, atol=1e-9)
+        expected = [c.getX(), c.getY(), c.getZ(), *(getattr(c.rotation(), n) for n in "xyzw")]
+        np.testing.assert_allclose(robot.interpolate(q0, q1, t), expected, rtol=0, atol=1e-9)
 
 
 def test_way_of_joints_is_that_of_ompl() -> None:
@@ -260,8 +259,8 @@ def test_way_of_joints_is_that_of_ompl() -> None:
             state[1].value = q[1]
             state[2][0] = q[2]
         space.interpolate(a, b, t, c)
-        wanted = [c[0][0], c[1].value, c[2][0]]
-        np.testing.assert_allclose(robot.interpolate(q0, q1, t), wanted, rtol=0, atol=1e-9)
+        expected = [c[0][0], c[1].value, c[2][0]]
+        np.testing.assert_allclose(robot.interpolate(q0, q1, t), expected, rtol=0, atol=1e-9)
 
 
 @given(SEEDS)
@@ -351,7 +350,7 @@ def test_weights_are_reaches() -> None:
     np.testing.assert_allclose(robot.weights, [1, 1, 1.7 + tip, 0.7 + tip, 1])
 
 
-def test_neighbours_are_allowed_to_touch() -> None:
+def test_neighbors_are_allowed_to_touch() -> None:
     """Joined links, also through links without shapes, and what fixed joints make one."""
     joints = [
         Joint("1", "revolute", "a", "empty"),
@@ -362,11 +361,11 @@ def test_neighbours_are_allowed_to_touch() -> None:
     ]
     shaped = [Link(n, LinkShape(BOX)) for n in "abcde"]
     robot = Robot("m", [*shaped, Link("empty")], joints)
-    wanted = {("a", "b"), ("b", "c"), ("b", "d"), ("c", "d"), ("d", "e"), ("a", "empty")}
-    assert set(robot.allowed) == wanted
+    expected = {("a", "b"), ("b", "c"), ("b", "d"), ("c", "d"), ("d", "e"), ("a", "empty")}
+    assert set(robot.allowed) == expected
     names = [robot.links[part.link].name for part in robot.parts]
     assert {tuple(sorted((names[i], names[j]))) for i, j in robot.allowed_parts} == {
-        pair for pair in wanted if "empty" not in pair
+        pair for pair in expected if "empty" not in pair
     }
     assert robot.contacts() == (("a", "c"), ("a", "d"), ("a", "e"), ("b", "e"), ("c", "e"))
     assert robot.allowing(robot.contacts()).contacts() == ()
@@ -427,7 +426,7 @@ def joint(name: str = "j", kind: str = "revolute", **more: Any) -> Joint:
 TWO = (Link("a"), Link("b"))
 FAULTS: list[tuple[Any, str]] = [
     (lambda: Robot("r", []), "links: none"),
-    (lambda: Robot("", TWO), "name: '', wanted a name"),
+    (lambda: Robot("", TWO), "name: '', expected a name"),
     (lambda: Robot("r", TWO), "'a', 'b' hang on no joint"),
     (lambda: Robot("r", (Link("a"), Link("a"))), "link 'a': there are two"),
     (lambda: Robot("r", TWO, [joint(child="c")]), "no link is named 'c'"),
@@ -437,22 +436,25 @@ FAULTS: list[tuple[Any, str]] = [
         lambda: Robot("r", (*TWO, Link("c")), [joint(), joint("k", parent="b", child="a")]),
         "part of a loop",
     ),
-    (lambda: Robot("r", TWO, [joint()], base="floating"), "base: 'floating', wanted one of"),
+    (lambda: Robot("r", TWO, [joint()], base="floating"), "base: 'floating', expected one of"),
     (lambda: Robot("r", TWO, [joint("x")], base="planar"), "name of a coordinate"),
     (lambda: Robot("r", TWO, [joint()], workspace=[[0, 0], [1, 1]]), "a fixed base has no"),
-    (lambda: Robot("r", TWO, [joint()], "planar", workspace=[[0, 0, 0]] * 2), "wanted .low, high."),
+    (
+        lambda: Robot("r", TWO, [joint()], "planar", workspace=[[0, 0, 0]] * 2),
+        "expected .low, high.",
+    ),
     (lambda: Robot("r", TWO, [joint()], allowed=[("a", "z")]), "has no link 'z'"),
     (lambda: Robot("r", TWO, [joint()], mount=2 * np.eye(4)), "mount: not a rigid motion"),
     (lambda: Robot("r", TWO, [joint(mimic=Mimic("j"))]), "mimics itself"),
     (lambda: Robot("r", TWO, [joint(mimic=Mimic("k"))]), "no such joint"),
-    (lambda: joint(kind="ball"), "kind 'ball', wanted one of fixed, revolute"),
-    (lambda: joint(axis=[0, 0, 0]), "axis .*, wanted three numbers, not all 0"),
+    (lambda: joint(kind="ball"), "kind 'ball', expected one of fixed, revolute"),
+    (lambda: joint(axis=[0, 0, 0]), "axis .*, expected three numbers, not all 0"),
     (lambda: joint(lower=1.0, upper=0.0), "lower 1 is over upper 0"),
-    (lambda: joint(velocity=-1.0), "velocity: -1.0, wanted a number, 0 or more"),
-    (lambda: joint(origin=np.eye(3)), r"origin: shape \(3, 3\), wanted a pose"),
+    (lambda: joint(velocity=-1.0), "velocity: got -1.0, expected a number, 0 or more"),
+    (lambda: joint(origin=np.eye(3)), r"origin: shape \(3, 3\), expected a pose"),
     (lambda: joint(kind="fixed", mimic=Mimic("k")), "fixed, and yet mimics"),
     (lambda: Mimic("k", math.nan), "multiplier: nan"),
-    (lambda: Link("a", [BOX, None]), "shape: NoneType, wanted a Shape"),
+    (lambda: Link("a", [BOX, None]), "shape: NoneType, expected a Shape"),
 ]
 
 
@@ -478,11 +480,11 @@ def test_half_a_turn_of_what_goes_round_is_no_pose() -> None:
 @pytest.mark.parametrize(
     ("q", "message"),
     [
-        ([0, 0], r"q: shape \(2,\), wanted \(\.\.\., 3\)"),
-        (1.0, r"q: shape \(\), wanted \(\.\.\., 3\)"),
-        ([0, math.nan, 0], r"q\[1\] \('y'\) is nan, wanted a finite number"),
+        ([0, 0], r"q: shape \(2,\), expected \(\.\.\., 3\)"),
+        (1.0, r"q: shape \(\), expected \(\.\.\., 3\)"),
+        ([0, math.nan, 0], r"q\[1\] \('y'\) is nan, expected a finite number"),
         ([[0, 0, 0], [0, 0, math.inf]], r"q\[1, 2\] \('yaw'\) is inf"),
-        ([0, 0, 1e6], r"q\[2\] \('yaw'\) is 1e\+06, wanted at most 100000"),
+        ([0, 0, 1e6], r"q\[2\] \('yaw'\) is 1e\+06, expected at most 100000"),
         ([1e13, 0, 0], r"q\[0\] \('x'\) is 1e\+13"),
         (["a", "b", "c"], "q: dtype"),
         (None, "q: dtype object"),
@@ -498,7 +500,7 @@ def test_a_configuration_that_makes_no_sense_is_an_error(q: Any, message: str) -
 def test_other_arguments_that_make_no_sense() -> None:
     robot = Robot("cart", [Link("body")], base="planar")
     q = np.zeros(3)
-    with pytest.raises(ValueError, match=r"t is 1.5, wanted a fraction from 0 to 1"):
+    with pytest.raises(ValueError, match=r"t is 1.5, expected a fraction from 0 to 1"):
         robot.interpolate(q, q, 1.5)
     with pytest.raises(ValueError, match=r"q0 \(4,\) and q1 \(3,\) and t \(\)"):
         robot.interpolate(np.zeros((4, 3)), np.zeros((3, 3)), 0.5)
@@ -506,7 +508,7 @@ def test_other_arguments_that_make_no_sense() -> None:
         robot.forward(q, "wheel")
     with pytest.raises(ValueError, match="link: 1, 'cart' has 1 links"):
         robot.forward(q, 1)
-    with pytest.raises(ValueError, match="threads: wanted a whole number"):
+    with pytest.raises(ValueError, match="threads: expected a whole number"):
         robot.forward(q, threads=0)
 
 
@@ -562,5 +564,5 @@ CORE: dict[str, Any] = {
 )
 def test_the_native_model_stands_nonsense(change: dict[str, Any]) -> None:
     _core.Robot(**CORE).forward([0.5], None)
-    with pytest.raises(ValueError, match=r"wanted|parents|firsts|singular|finite"):
+    with pytest.raises(ValueError, match=r"expected|parents|firsts|singular|finite"):
         _core.Robot(**{**CORE, **change})

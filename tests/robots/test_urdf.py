@@ -13,15 +13,12 @@ import numpy as np
 import pinocchio
 import pytest
 import trimesh
-from numpy.typing import NDArray
 from support.robots import URDFS, real, urdf
 
 from fgenv.bench.common.meshes import folder
 from fgenv.collision import Shape
 from fgenv.robots import Robot, primitives
 from fgenv.robots.urdf import rotation
-
-Floats = NDArray[np.float64]
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
@@ -89,8 +86,8 @@ def test_all_that_a_file_says(arm: Path) -> None:
     np.testing.assert_allclose(hand.vertices.mean(axis=0), [1, 0, 0], atol=1e-6)
     placed = robot.links[1].shapes[0]
     np.testing.assert_allclose(placed.origin[:3, 3], [0, 0, 0.25])
-    wanted = pinocchio.rpy.rpyToMatrix(0.1, 0.2, 0.3)
-    np.testing.assert_allclose(placed.origin[:3, :3], wanted, atol=1e-15)
+    expected = pinocchio.rpy.rpyToMatrix(0.1, 0.2, 0.3)
+    np.testing.assert_allclose(placed.origin[:3, :3], expected, atol=1e-15)
     finger = robot.forward([0.0, 0.1], "finger") @ np.linalg.inv(robot.forward([0.0, 0.1], "hand"))
     assert np.linalg.norm(finger[:3, 3]) == pytest.approx(0.06)
     visual = Robot.from_urdf(arm, collision=False)
@@ -122,9 +119,9 @@ def test_scales_mirrors_and_a_factor_of_all_lengths(tmp_path: Path, arm: Path) -
     assert volume(mirrored) > 0
     twice = Robot.from_urdf(arm, scale=2.0)
     q = np.array([0.7, 0.15])
-    wanted = plain.forward(q)
-    wanted[:, :3, 3] *= 2
-    np.testing.assert_allclose(twice.forward(q * [1, 2]), wanted, atol=1e-15)
+    expected = plain.forward(q)
+    expected[:, :3, 3] *= 2
+    np.testing.assert_allclose(twice.forward(q * [1, 2]), expected, atol=1e-15)
     np.testing.assert_array_equal(twice.upper, plain.upper * [1, 2])
     for part, other in zip(plain.parts, twice.parts, strict=True):
         extent, double = (np.ptp(p.shape.vertices, axis=0) for p in (part, other))
@@ -145,10 +142,10 @@ def test_a_factor_of_lengths_is_one_for_mimics_as_well(followed: str, tmp_path: 
         text = text.replace('name="grip" type="prismatic"', 'name="grip" type="revolute"')
     path = written(tmp_path, text)
     q = np.array([0.7, 0.15])
-    wanted = Robot.from_urdf(path).forward(q)
-    wanted[:, :3, 3] *= 2
+    expected = Robot.from_urdf(path).forward(q)
+    expected[:, :3, 3] *= 2
     twice = Robot.from_urdf(path, scale=2.0)
-    np.testing.assert_allclose(twice.forward(q * [1, 2]), wanted, atol=1e-15)
+    np.testing.assert_allclose(twice.forward(q * [1, 2]), expected, atol=1e-15)
 
 
 @pytest.mark.parametrize("place", ["beside", "above", "given", "ros", "absolute", "file"])
@@ -190,7 +187,7 @@ def test_unit_of_collada_counts(tmp_path: Path) -> None:
     np.testing.assert_allclose(robots[1].vertices, 0.01 * robots[0].vertices)
 
 
-# STL, DAE, OBJ; millimetres; mirrored; boxes, cylinders, spheres.
+# STL, DAE, OBJ; millimeters; mirrored; boxes, cylinders, spheres.
 GEOMETRY = (URDFS[0], URDFS[2], URDFS[8], URDFS[9], URDFS[13], URDFS[14])
 
 
@@ -265,18 +262,18 @@ def test_a_ball_touches_what_the_sphere_touches() -> None:
 def test_rotation_is_exact_at_rest() -> None:
     np.testing.assert_array_equal(rotation([0.0, 0.0, 0.0]), np.eye(4))
     for rpy in np.random.default_rng(0).uniform(-7, 7, (50, 3)):
-        wanted = pinocchio.rpy.rpyToMatrix(*rpy)
-        np.testing.assert_allclose(rotation(list(rpy))[:3, :3], wanted, atol=1e-14)
+        expected = pinocchio.rpy.rpyToMatrix(*rpy)
+        np.testing.assert_allclose(rotation(list(rpy))[:3, :3], expected, atol=1e-14)
     assert rotation([0, math.pi / 2, 0])[2, 0] == -1
 
 
 # Bad files
 
 FAULTS = [
-    ("<robot", "<sdf", "<sdf>, wanted a URDF file|Opening and ending tag"),
-    ("</robot>", "", "line 33: .*, wanted XML"),
+    ("<robot", "<sdf", "<sdf>, expected a URDF file|Opening and ending tag"),
+    ("</robot>", "", "line 33: .*, expected XML"),
     ('name="arm"', "", "line 2: <robot> has no name"),
-    ('type="revolute"', 'type="ball"', "line 18: joint 'shoulder': type 'ball', wanted one of"),
+    ('type="revolute"', 'type="ball"', "line 18: joint 'shoulder': type 'ball', expected one of"),
     (
         'type="revolute"',
         'type="floating"',
@@ -287,13 +284,17 @@ FAULTS = [
     (
         "<box size=",
         "<capsule size=",
-        "link 'base': collision geometry is capsule, wanted one of box",
+        "link 'base': collision geometry is capsule, expected one of box",
     ),
     ('<box size="0.2 0.3 0.4"/>', "", "link 'base': collision geometry is nothing"),
-    ('size="0.2 0.3 0.4"', 'size="0.2 0.3"', "link 'base': box: size .*, wanted three lengths"),
-    ('radius="0.05"', 'radius="-1"', "link 'upper': cylinder: radius: -1.0, wanted metres"),
+    ('size="0.2 0.3 0.4"', 'size="0.2 0.3"', "link 'base': box: size .*, expected three lengths"),
+    ('radius="0.05"', 'radius="-1"', "link 'upper': cylinder: radius: got -1.0, expected meters"),
     ('radius="0.05"', 'radius="wide"', "cannot be read .*wide"),
-    ('rpy="0.4 0.5 0.6"', 'rpy="0.4 0.5"', "line 20: origin: rpy '0.4 0.5', wanted three numbers"),
+    (
+        'rpy="0.4 0.5 0.6"',
+        'rpy="0.4 0.5"',
+        "line 20: origin: rpy '0.4 0.5', expected three numbers",
+    ),
     ('axis xyz="0 1 1"', 'axis xyz="0 0 0"', "joint 'shoulder': axis"),
     ('lower="-1.5"', 'lower="5"', "joint 'shoulder': lower 5 is over upper 2"),
     ('mimic joint="slide"', 'mimic joint="glide"', "mimics 'glide': there is no such joint"),
@@ -304,7 +305,11 @@ FAULTS = [
         '"package://feet/foot.stl"',
         r"give package_dirs=\[the folder that holds 'feet'\]",
     ),
-    ('"hand.stl" ', '"hand.stl" scale="1 0 1"', "link 'hand': mesh scale .*, wanted numbers but 0"),
+    (
+        '"hand.stl" ',
+        '"hand.stl" scale="1 0 1"',
+        "link 'hand': mesh scale .*, expected numbers but 0",
+    ),
 ]
 
 
@@ -318,23 +323,23 @@ def test_a_bad_file_is_told(old: str, new: str, message: str, tmp_path: Path, ar
 
 
 def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="does not exist, wanted a URDF file"):
+    with pytest.raises(FileNotFoundError, match="does not exist, expected a URDF file"):
         Robot.from_urdf(tmp_path / "none.urdf")
     with pytest.raises(FileNotFoundError, match="is a folder"):
         Robot.from_urdf(tmp_path)
     with pytest.raises(ValueError, match="is a xacro file, expand it first"):
         Robot.from_urdf(written(tmp_path, "<robot/>", "arm.xacro"))
-    with pytest.raises(ValueError, match=r"Document is empty.*, wanted a URDF file"):
+    with pytest.raises(ValueError, match=r"Document is empty.*, expected a URDF file"):
         Robot.from_urdf(written(tmp_path, "", "empty.urdf"))
-    with pytest.raises(ValueError, match=r"wanted XML|wanted a URDF file"):
+    with pytest.raises(ValueError, match=r"expected XML|expected a URDF file"):
         Robot.from_urdf(written(tmp_path, "solid x", "mesh.urdf"))
     with pytest.raises(FileNotFoundError, match=r"srdf: .* does not exist"):
         Robot.from_urdf(arm, srdf=tmp_path / "none.srdf")
-    with pytest.raises(ValueError, match=r"srdf: .*, wanted XML"):
+    with pytest.raises(ValueError, match=r"srdf: .*, expected XML"):
         Robot.from_urdf(arm, srdf=written(tmp_path, "no", "arm.srdf"))
-    with pytest.raises(ValueError, match="scale: 0, wanted a factor over 0"):
+    with pytest.raises(ValueError, match="scale: got 0, expected a factor over 0"):
         Robot.from_urdf(arm, scale=0)
-    with pytest.raises(ValueError, match="cylinder: error: 0, wanted metres, over 0"):
+    with pytest.raises(ValueError, match="cylinder: error: got 0, expected meters, over 0"):
         Robot.from_urdf(arm, error=0)
 
 

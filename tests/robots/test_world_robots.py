@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from oracles.solids import at, ball, box, somewhere
 from support.robots import random_tree, real
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World, collide, distance
 from fgenv.robots import Joint, Link, LinkShape, Robot
 
-Floats = NDArray[np.float64]
 SEEDS = st.integers(0, 2**32 - 1)
 CUBE = Shape(*box(0.3))
 PANDA = "panda_description/urdf/panda.urdf"
@@ -294,13 +293,16 @@ def test_what_is_wrong_is_told() -> None:
     world.add_robot(robot)
     cube = world.add(CUBE, at(5.0), name="cube")
     for ask, words in (
-        (lambda: world.collides("arm", np.eye(4)), r"poses: shape \(4, 4\), wanted \(\.\.\., 1\)"),
-        (lambda: world.collides("cube", [0.1]), r"poses: shape \(1,\), wanted \(\.\.\., 4, 4\)"),
+        (
+            lambda: world.collides("arm", np.eye(4)),
+            r"poses: shape \(4, 4\), expected \(\.\.\., 1\)",
+        ),
+        (lambda: world.collides("cube", [0.1]), r"poses: shape \(1,\), expected \(\.\.\., 4, 4\)"),
         (lambda: world.check_motion("arm", [np.nan], [0.0]), "T0.*joint0"),
         (lambda: world.set_pose("arm", np.eye(4)), "'arm' is a robot; set_configuration"),
         (lambda: world.set_configuration("cube", [0.0]), "'cube' is a body; set_pose"),
         (lambda: world.configuration(cube), "'cube' is a body; poses"),
-        (lambda: world.set_configuration("arm", [[0.0]]), "q: .*wanted one"),
+        (lambda: world.set_configuration("arm", [[0.0]]), "q: .*expected one"),
         (lambda: world.add_robot(robot, [0.0, 1.0]), r"q: shape \(2,\)"),
         (lambda: world.add_robot(robot, name="arm"), "name: 'arm' is taken"),
         (lambda: world.add_robot(robot, name="cube"), "name: 'cube' is taken"),
@@ -309,7 +311,7 @@ def test_what_is_wrong_is_told() -> None:
         (lambda: world.detach("arm/link1"), "part of robot 'arm'"),
         (lambda: world.attach("arm", "cube"), "'arm' is a robot"),
         (lambda: world.collides("arm/link1", [0.1]), "carried by 'arm'"),
-        (lambda: world.set_path("arm", [0.0]), r"wanted \(K, nq\)"),
+        (lambda: world.set_path("arm", [0.0]), r"expected \(K, nq\)"),
         (
             lambda: world.check_motions(["arm", "cube"], [[0.0]] * 2, [[0.0]] * 2),
             "'cube' has other coordinates than 'arm'",

@@ -36,8 +36,8 @@ print(frozen("swap", cases=5, seed=0, n=6, jitter=0.2).id, frozen("cell", cases=
 @pytest.mark.parametrize("name", GOLDEN)
 def test_ids_are_golden(name: str) -> None:
     """Another id is another set: results with it are not comparable. Say so in the changelog."""
-    ways, wanted = GOLDEN[name]
-    assert frozen(name, cases=5, seed=0, **ways).id[:16] == wanted
+    ways, expected = GOLDEN[name]
+    assert frozen(name, cases=5, seed=0, **ways).id[:16] == expected
 
 
 @pytest.mark.parametrize("isa", ["baseline", ""])
@@ -72,7 +72,7 @@ def test_what_is_damaged_or_another_set_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "set.npz"
     made = frozen("swap", cases=3)
     made.save(path)
-    with pytest.raises(ScenarioError, match=r"has id .*, wanted abc"):
+    with pytest.raises(ScenarioError, match=r"has id .*, expected abc"):
         frozen(path, id="abc")
     with np.load(path) as file:
         arrays = dict(file)

@@ -52,9 +52,9 @@ def scene(*objects: Any, **fields: Any) -> dict[str, Any]:
 
 
 def request(names: list[str], start: list[float], goal: list[float]) -> dict[str, Any]:
-    wanted = [{"joint_name": n, "position": v} for n, v in zip(names, goal, strict=True)]
+    expected = [{"joint_name": n, "position": v} for n, v in zip(names, goal, strict=True)]
     state = {"joint_state": {"name": names, "position": start}}
-    return {"start_state": state, "goal_constraints": [{"joint_constraints": wanted}]}
+    return {"start_state": state, "goal_constraints": [{"joint_constraints": expected}]}
 
 
 # MotionBenchMaker --------------------------------------------------------------------------------
@@ -99,8 +99,8 @@ def test_links_are_where_pinocchio_puts_them(panda: Robot) -> None:
     goal = np.array(Scenario.load("mbm", family="cage", problem=3).robots[0].goal)
     pin.framesForwardKinematics(model, data, goal)
     for link in ("panda_link4", "panda_hand", "panda_leftfinger"):
-        wanted = data.oMf[model.getFrameId(link)].homogeneous
-        np.testing.assert_allclose(panda.forward(goal, link), wanted, atol=1e-9)
+        expected = data.oMf[model.getFrameId(link)].homogeneous
+        np.testing.assert_allclose(panda.forward(goal, link), expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("family", ["box", "table_pick"])
@@ -113,8 +113,8 @@ def test_bodies_are_where_the_archive_says(family: str) -> None:
     assert set(built.names) == set(objects)
     for name, pose, shape in zip(built.names, built.poses, built.shapes, strict=True):
         (at,), (part,) = objects[name]["primitive_poses"], objects[name]["primitives"]
-        wanted = pin.XYZQUATToSE3(np.array([*at["position"], *at["orientation"]])).homogeneous
-        np.testing.assert_allclose(pose, wanted, atol=1e-9)
+        expected = pin.XYZQUATToSE3(np.array([*at["position"], *at["orientation"]])).homogeneous
+        np.testing.assert_allclose(pose, expected, atol=1e-9)
         sizes = np.array(part["dimensions"])
         if part["type"] == "cylinder":
             sizes = np.array([2 * sizes[1], 2 * sizes[1], sizes[0]])
@@ -133,7 +133,7 @@ def test_a_problem_comes_back_from_its_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("ways", "told"),
     [
-        ({"family": "kitchen"}, "family: is 'kitchen'; wanted one of: bookshelf_small, .*cage"),
+        ({"family": "kitchen"}, "family: is 'kitchen'; expected one of: bookshelf_small, .*cage"),
         ({"family": "bookshelf_smal"}, "did you mean 'bookshelf_small'"),
         ({"problem": 0}, "problem: is 0"),
         ({"problem": 101}, "problem: is 101"),
@@ -155,8 +155,8 @@ def test_poses_are_kept_whatever_their_turn(turn: tuple[float, ...], tmp_path: P
     unit = np.array(turn) / np.linalg.norm(turn)
     pose = {"position": [0.1, 0.2, 0.3], "orientation": unit.tolist()}
     found = load_scene(written(tmp_path / "s.yaml", scene(thing("box", [1, 2, 3], pose))))
-    wanted = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, *unit])).homogeneous
-    np.testing.assert_allclose(found.bodies[0].pose, wanted, atol=1e-9)
+    expected = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, *unit])).homogeneous
+    np.testing.assert_allclose(found.bodies[0].pose, expected, atol=1e-9)
 
 
 def test_all_kinds_with_lists_tables_and_numbers(tmp_path: Path) -> None:
@@ -183,7 +183,7 @@ def test_all_kinds_with_lists_tables_and_numbers(tmp_path: Path) -> None:
     assert len(mesh.faces) == 4
 
 
-def test_a_cone_is_enclosed_by_at_most_a_millimetre(tmp_path: Path) -> None:
+def test_a_cone_is_enclosed_by_at_most_a_millimeter(tmp_path: Path) -> None:
     found = load_scene(written(tmp_path / "s.yaml", scene(thing("cone", [0.4, 0.1]))))
     shape = found.shapes[found.bodies[0].shape].shape()
     angles = np.linspace(0, 2 * np.pi, 1000)
@@ -237,10 +237,10 @@ def test_an_srdf_is_of_a_urdf() -> None:
 @pytest.mark.parametrize(
     ("data", "told"),
     [
-        (scene(thing("cube", [1, 1, 1])), r"primitives\[0\].type: is 'cube'; wanted one of: box"),
-        (scene(thing("box", [1, 1])), r"dimensions: has 2 numbers; wanted 3: x, y, z"),
+        (scene(thing("cube", [1, 1, 1])), r"primitives\[0\].type: is 'cube'; expected one of: box"),
+        (scene(thing("box", [1, 1])), r"dimensions: has 2 numbers; expected 3: x, y, z"),
         (scene(thing("box", [1, 1, -1])), r"dimensions: cannot be a box; Input should be greater"),
-        (scene(thing("box", [1, 1, "a"])), r"dimensions\[2\]: is 'a'; wanted a number"),
+        (scene(thing("box", [1, 1, "a"])), r"dimensions\[2\]: is 'a'; expected a number"),
         (scene(thing("box", [1, 1, 1], {"position": [0, 0]})), "position: has 2 numbers"),
         (
             scene(thing("box", [1, 1, 1], {"orientation": [0, 0, 0, 2]})),
@@ -248,18 +248,18 @@ def test_an_srdf_is_of_a_urdf() -> None:
         ),
         (scene({"primitives": [{"type": "box"}]}), r"primitives\[0\]: has no pose"),
         (scene({"id": "a"}), r"collision_objects\[0\]: has no primitives or meshes"),
-        (scene(thing("box", [1, 1, 1], id=3)), "id: is 3; wanted a name"),
+        (scene(thing("box", [1, 1, 1], id=3)), "id: is 3; expected a name"),
         (scene(*[thing("box", [1, 1, 1])] * 2), "'thing' names two objects"),
         (scene(thing("box", [1, 1, 1], header={"frame_id": "hand"})), "frame_id: is 'hand'"),
         (scene(thing("box", [1, 1, 1], planes=[{"coef": [0, 0, 1, 0]}])), "planes: is not read"),
         (scene(robot_state={"attached_collision_objects": [1]}), "attached_.*: is not read"),
         ({"world": {"octomap": {"octomap": {"data": [1]}}}}, "octomap.data: is not read"),
-        ({"world": [1]}, r"world: is \[1\]; wanted a table"),
-        ([1], "wanted a table with world"),
+        ({"world": [1]}, r"world: is \[1\]; expected a table"),
+        ([1], "expected a table with world"),
         (
             scene({"id": "m", "meshes": [{"vertices": [[0, 0, 0]], "triangles": [[0, 0, 1]]}],
                    "mesh_poses": [{}]}),
-            r"triangles\[0\]: is .*; wanted places in 1 vertices",
+            r"triangles\[0\]: is .*; expected places in 1 vertices",
         ),
     ],
 )  # fmt: skip
@@ -287,7 +287,7 @@ def test_goals_that_are_poses_are_refused(tmp_path: Path) -> None:
     asked = request(["panda_joint1"], [0.0], [1.0])
     stands = written(tmp_path / "s.yaml", scene())
     asked["goal_constraints"][0]["position_constraints"] = [{"link_name": "hand"}]
-    with pytest.raises(ScenarioError, match="position_constraints: is not read; wanted joint_"):
+    with pytest.raises(ScenarioError, match="position_constraints: is not read; expected joint_"):
         load_problem(stands, written(tmp_path / "r.yaml", asked), urdf=FOLDER / "panda.urdf")
     del asked["goal_constraints"]
     with pytest.raises(ScenarioError, match="has no goal_constraints"):

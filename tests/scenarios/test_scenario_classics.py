@@ -130,15 +130,15 @@ def test_shapes_are_one_closed_shell_that_looks_out(sizes: dict[str, Any]) -> No
 @pytest.mark.parametrize(
     ("sizes", "told"),
     [
-        ({"kind": "chair", "seat": 1.0}, "seat: 1, wanted less than the height"),
+        ({"kind": "chair", "seat": 1.0}, "seat: got 1, expected less than the height"),
         ({"kind": "bug_trap", "radius": 1.0, "wall": 0.3, "throat": 0.3}, "throat: 0.3"),
         ({"kind": "bug_trap", "radius": 1.0, "wall": 0.01, "throat": 0.3}, "wall: 0.01"),
         ({"kind": "open_ring", "radius": 0.1, "thickness": 0.2, "turn": 3.0}, "thickness: 0.2"),
-        ({"kind": "open_ring", "radius": 1.0, "thickness": 0.2, "turn": 7.0}, "rise: wanted more"),
+        ({"kind": "open_ring", "radius": 1.0, "thickness": 0.2, "turn": 7.0}, "rise: expected"),
         (
             {"kind": "twisted_wall", "thickness": 1.0, "side": 1.0, "width": 0.8, "height": 0.3,
              "turn": 1.0},
-            "side: 1, wanted more than 1.5 diagonals",
+            "side: got 1, expected more than 1.5 diagonals",
         ),
     ],
 )  # fmt: skip

@@ -57,9 +57,9 @@ def test_a_sound_file_has_no_problems(told: Callable[[str], list[str]]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "wanted"),
+    ("old", "new", "expected"),
     [
-        ("version: 1", "version: 2", "line 1: version: is 2; wanted one of: 1"),
+        ("version: 1", "version: 2", "line 1: version: is 2; expected one of: 1"),
         ("version: 1\n", "", "line 1: version: is missing; add it: Of this schema"),
         ("name: two", "nam: two", "line 2: nam: is no known key; did you mean 'name'?"),
         ("low: [-5", "low: [9", "line 3: workspace: low [9.0, -5.0] is not below high [5.0, 5.0]"),
@@ -81,7 +81,7 @@ def test_a_sound_file_has_no_problems(told: Callable[[str], list[str]]) -> None:
         (
             "start: [-2, 0, 0]",
             "start: [-2, 0]",
-            "line 10: robots[0].start: has 2 numbers, wanted 3",
+            "line 10: robots[0].start: has 2 numbers, expected 3",
         ),
         (
             "start: [-2, 0, 0]",
@@ -129,11 +129,11 @@ def test_a_sound_file_has_no_problems(told: Callable[[str], list[str]]) -> None:
     ],
 )
 def test_each_problem_has_its_line_and_remedy(
-    told: Callable[[str], list[str]], old: str, new: str, wanted: str
+    told: Callable[[str], list[str]], old: str, new: str, expected: str
 ) -> None:
     assert old in SOUND
     found = told(SOUND.replace(old, new, 1))
-    assert any(problem.startswith(wanted) for problem in found), found
+    assert any(problem.startswith(expected) for problem in found), found
 
 
 def test_all_are_told_at_once(told: Callable[[str], list[str]]) -> None:

@@ -13,10 +13,10 @@ from typing import Any
 import fcl
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from support import ROOT
 from typer.testing import CliRunner
 
+from fgenv.arrays import Floats
 from fgenv.cli import app
 from fgenv.collision import Shape
 from fgenv.robots import Robot
@@ -26,7 +26,6 @@ from fgenv.scenarios.library import ENTRIES
 from fgenv.scenarios.library.random import PITCH
 from fgenv.scenarios.rng import Dice, micro
 
-Floats = NDArray[np.float64]
 MANY = [name for name, e in ENTRIES.items() if "n" in e.parameters and e.most > 2]
 WAYS: list[tuple[str, dict[str, Any]]] = [
     ("three_tanks", {}),
@@ -185,7 +184,7 @@ def test_overrides_of_the_schema_go_with_those_of_the_generator() -> None:
     ("name", "ways", "told"),
     [
         ("swp", {}, "did you mean 'swap'"),
-        ("", {}, "wanted one of: three_tanks"),
+        ("", {}, "expected one of: three_tanks"),
         ("swap", {"jiter": 1}, "jiter: is no known override; did you mean 'jitter'"),
         ("swap", {"n": 0}, "n: is 0, should be greater than or equal to 1"),
         ("swap", {"n": 65}, "n: is 65"),
@@ -281,8 +280,8 @@ def test_one_is_saved_and_drawn(tmp_path: Path) -> None:
     code, out = fgenv("swap", *ways, "--save", str(file), "--picture", str(picture), "--json")
     assert code == 0
     assert json.loads(out)["written"] == [str(file), str(picture)]
-    wanted = Scenario.load("swap", n=4, seed=3, size=6.0, jitter=0.1, body="l")
-    assert Scenario.load(file) == wanted.at(tmp_path)
+    expected = Scenario.load("swap", n=4, seed=3, size=6.0, jitter=0.1, body="l")
+    assert Scenario.load(file) == expected.at(tmp_path)
     assert picture.stat().st_size < 40_000
     assert "on a circle" in fgenv(str(file))[1]
 
@@ -291,7 +290,7 @@ def test_one_is_saved_and_drawn(tmp_path: Path) -> None:
     ("arguments", "told"),
     [
         (("swap", "--set", "jitter"), "KEY=VALUE"),
-        (("swap", "--set", "jitter=[1"), "wanted a number"),
+        (("swap", "--set", "jitter=[1"), "expected a number"),
         (("--save", "x.yaml"), "NAME"),
         (("swap", "--freeze", "x.zip"), r"\.npz"),
     ],

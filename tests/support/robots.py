@@ -6,13 +6,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import folder
 from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
 from fgenv.robots.primitives import box
-
-Floats = NDArray[np.float64]
 
 URDFS = (
     "panda_description/urdf/panda.urdf",  # a gripper whose fingers mimic

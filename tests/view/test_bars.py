@@ -35,9 +35,9 @@ def test_what_cannot_be_drawn_says_so(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     with pytest.raises(ValueError, match="no other library took part"):
         bars.draw({"a": {}}, "", path)
-    with pytest.raises(ValueError, match=r"times\['a'\]\['fcl'\]: nan, wanted a number over 0"):
+    with pytest.raises(ValueError, match=r"times\['a'\]\['fcl'\]: nan, expected a number over 0"):
         bars.draw({"a": {"fcl": np.nan}}, "", path)
-    with pytest.raises(ValueError, match=r"--plot: .*a.gif, wanted a name that ends in .png"):
+    with pytest.raises(ValueError, match=r"--plot: .*a.gif, expected a name that ends in .png"):
         bars.draw(TIMES, "", tmp_path / "a.gif")
     bars.draw(TIMES, "", path)
     with Image.open(path) as picture:
@@ -74,7 +74,7 @@ def test_learning_curves_are_the_trainings_own(shell: Shell) -> None:
     with Image.open("a.png") as picture:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
     for content, said in (
-        ("a,b\n1,2\n", "wanted the evaluations.csv"),
+        ("a,b\n1,2\n", "expected the evaluations.csv"),
         (text[:46], "it has no evaluations yet"),
         (text[:46] + "100,x,1,1,1\n", "line 2 is not of numbers"),
     ):

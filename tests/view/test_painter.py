@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from support import TESTS
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.view import Camera, Floor, Light, Mark, Painter, Solid, render
 from fgenv.view.figures.palette import (
@@ -28,7 +29,6 @@ from fgenv.view.figures.palette import (
     to_srgb,
 )
 
-Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 FRONT = Camera(eye=(0.0, -4.0, 0.0), target=(0.0, 0.0, 0.0), fov=0.6, width=201, height=161)
 ABOVE = Camera((0.01, 0.0, 9.0), (0.0, 0.0, 0.0), 0.6, 200, 200)
@@ -46,13 +46,13 @@ def ball(radius: float = 1.0) -> Shape:
     return shape(trimesh.creation.icosphere(subdivisions=4, radius=radius))
 
 
-def at(x: float, y: float, z: float, turn: float = 0.0) -> Array:
+def at(x: float, y: float, z: float, turn: float = 0.0) -> Floats:
     pose = trimesh.transformations.rotation_matrix(turn, (1, 2, 3))
     pose[:3, 3] = x, y, z
     return np.asarray(pose)
 
 
-def scene() -> tuple[list[Shape], list[tuple[float, float, float]], Array]:
+def scene() -> tuple[list[Shape], list[tuple[float, float, float]], Floats]:
     """Round and sharp bodies that stand in each other's way and shadow, two of one shape."""
     ring = shape(trimesh.creation.annulus(0.3, 0.5, 0.4))
     shapes = [ring, ring, ball(0.4), shape(trimesh.creation.box((3.0, 0.1, 0.8)))]
@@ -70,7 +70,7 @@ def digest() -> str:
     return hashlib.sha256(pictures[0].tobytes()).hexdigest()
 
 
-def bytes_of(linear: Any) -> Array:
+def bytes_of(linear: Any) -> Floats:
     return np.asarray(to_srgb(linear) * 255)
 
 
@@ -95,7 +95,7 @@ def test_looks_as_the_shader_does(floor: Floor | None, eye: tuple[float, float, 
     assert (fine != seen).any()
 
 
-def test_flat_faces_have_one_colour_each() -> None:
+def test_flat_faces_have_one_color_each() -> None:
     box = shape(trimesh.creation.box((1.0, 1.0, 1.0)))
     poses = at(0, 0, 0, 0.7)[None]
     pictures = [
@@ -128,8 +128,8 @@ def test_a_shadow_lies_where_the_sun_puts_it() -> None:
     # One up, 0.6 / 0.8 away from the sun; what of it the plate itself does not cover.
     spots, _ = ABOVE.project([(0.0, 1.15, 0.0), (0.4, 1.2, 0.0), (0.0, -0.9, 0.0), (0.0, 1.35, 0)])
     shade, sunny = (bytes_of([ON_PLAIN * light] * 3) for light in (0.2, 0.2 + 0.5 * 0.8))
-    for (x, y), wanted in zip(spots, [shade, shade, sunny, sunny], strict=True):
-        np.testing.assert_allclose(seen[int(y), int(x)], wanted, atol=1)
+    for (x, y), expected in zip(spots, [shade, shade, sunny, sunny], strict=True):
+        np.testing.assert_allclose(seen[int(y), int(x)], expected, atol=1)
 
 
 def test_marks_are_rings_on_the_floor_under_what_stands_there() -> None:
@@ -215,8 +215,8 @@ def test_pictures_do_not_depend_on_the_instruction_set(isa: str) -> None:
 # What is wrong is told ---------------------------------------------------------------------------
 
 BAD_POSES: dict[str, tuple[Any, str]] = {
-    "one": (np.eye(4), r"poses: shape \(4, 4\), wanted \(1, 4, 4\)"),
-    "two": (np.tile(np.eye(4), (2, 1, 1)), r"poses: shape \(2, 4, 4\), wanted \(1, 4, 4\)"),
+    "one": (np.eye(4), r"poses: shape \(4, 4\), expected \(1, 4, 4\)"),
+    "two": (np.tile(np.eye(4), (2, 1, 1)), r"poses: shape \(2, 4, 4\), expected \(1, 4, 4\)"),
     "positions": (np.zeros((1, 3)), "poses"),
     "NaN": (np.where(HERE == 1, np.nan, HERE), r"poses\[0\] has an entry that is not finite"),
     "scaled": (HERE * (2, 2, 2, 1), r"poses\[0\] is scaled"),
@@ -235,12 +235,12 @@ def test_bad_poses_are_errors(bad: str, camera: Camera | None) -> None:
     ("change", "message"),
     [
         ({"colors": []}, "colors: 0 for 1 shapes"),
-        ({"colors": [(1.0, 2.0, 0.0)]}, "colors: a colour with 2.0"),
-        ({"colors": [(np.nan, 0.0, 0.0)]}, "colors: a colour with nan"),
+        ({"colors": [(1.0, 2.0, 0.0)]}, "colors: a color with 2.0"),
+        ({"colors": [(np.nan, 0.0, 0.0)]}, "colors: a color with nan"),
         ({"colors": [(1.0, 0.0)]}, "colors: 2 numbers"),
         ({"width": 0}, "width"),
         ({"height": -3}, "height"),
-        ({"samples": 0}, "samples: 0, wanted 1"),
+        ({"samples": 0}, "samples: got 0, expected 1"),
         ({"samples": 1000}, "samples: 1000"),
         ({"floor": Floor(grid=0.0)}, "floor: grid"),
         ({"floor": Floor(fade=np.nan)}, "floor: fade"),
@@ -266,7 +266,7 @@ def test_what_is_no_shape_is_an_error() -> None:
     [
         (Mark(0.0, 0.0, 0.0, BLUE), r"marks\[0\]: radius 0"),
         (Mark(np.nan, 0.0, 1.0, BLUE), r"marks\[0\] is nan"),
-        (Mark(0.0, 0.0, 1.0, (9.0, 0.0, 0.0)), "marks: a colour with 9.0"),
+        (Mark(0.0, 0.0, 1.0, (9.0, 0.0, 0.0)), "marks: a color with 9.0"),
     ],
 )
 def test_bad_marks_are_errors(mark: Mark, message: str) -> None:

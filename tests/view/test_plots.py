@@ -47,7 +47,7 @@ def test_masks_count_candidates(record: Record) -> None:
 def test_what_cannot_be_plotted_says_so(record: Record, tmp_path: Path) -> None:
     simulator = Simulator("cell", n=2, autoreset=False)
     arms = run_episode(simulator, policy_of("rest"), steps=2)
-    with pytest.raises(ValueError, match="wanted robots whose bases move"):
+    with pytest.raises(ValueError, match="expected robots whose bases move"):
         plot(arms, "space-time", tmp_path / "a.png")
     plot(arms, "clearance", tmp_path / "a.png")
     arrays = {name: array[:0] for name, array in record.arrays.items()}
@@ -65,8 +65,8 @@ def test_command(record: Record, shell: Shell) -> None:
         with Image.open("a.png") as picture:
             assert np.ptp(np.asarray(picture.convert("L"))) > 100
     for kind, path, said in (
-        ("speed", "a.png", "kind: 'speed', wanted clearance, masks, space-time"),
-        ("learning", "a.png", "run.npz: wanted the evaluations.csv"),
+        ("speed", "a.png", "kind: 'speed', expected clearance, masks, space-time"),
+        ("learning", "a.png", "run.npz: expected the evaluations.csv"),
         ("masks", "a.gif", "ends in .png, .svg, .pdf"),
         ("masks", "no/a.png", "there is no folder no"),
     ):

@@ -65,7 +65,7 @@ def test_trails_are_where_robots_have_been(record: Record) -> None:
     assert far.max() < 8.0
 
 
-def test_a_mask_colours_what_bears_its_bit_and_no_other(record: Record) -> None:
+def test_a_mask_colors_what_bears_its_bit_and_no_other(record: Record) -> None:
     built, step = record.scenario.build(), 3
     over = Notes(record, built, ["masks"], [], [1])
     world = world_at(record, built, step)
@@ -111,14 +111,20 @@ def test_command(record: Record, shell: Shell) -> None:
     with Image.open("b.gif") as movie:
         assert movie.n_frames == 6  # 2 s of 20 steps in 1 s
     for words, said in (
-        (("--png", "a.png", "--elevation", "120"), "--elevation: 120, wanted 5 to 89 degrees"),
-        (("--png", "a.png", "--azimuth", "400"), "--azimuth: 400, wanted -360 to 360 degrees"),
+        (
+            ("--png", "a.png", "--elevation", "120"),
+            "--elevation: got 120, expected 5 to 89 degrees",
+        ),
+        (
+            ("--png", "a.png", "--azimuth", "400"),
+            "--azimuth: got 400, expected -360 to 360 degrees",
+        ),
         (("--png", "a.png", "--camera", "top", "--azimuth", "0"), "are of --camera overview"),
-        ((), "nothing to write; wanted --gif, --mp4 or --png"),
+        ((), "nothing to write; expected --gif, --mp4 or --png"),
         (("--png", "a.jpg"), "ends in .png"),
-        (("--png", "a.png", "--camera", "low"), "--camera: 'low', wanted overview, top"),
-        (("--png", "a.png", "--robot", "nobody"), "--robot: 'nobody', wanted one of robot 1"),
-        (("--png", "a.png", "--size", "8"), "wanted WIDTHxHEIGHT"),
+        (("--png", "a.png", "--camera", "low"), "--camera: 'low', expected overview, top"),
+        (("--png", "a.png", "--robot", "nobody"), "--robot: 'nobody', expected one of robot 1"),
+        (("--png", "a.png", "--size", "8"), "expected WIDTHxHEIGHT"),
         (("--gif", "a.gif", "--at", "1"), "--at: is of a picture"),
     ):
         assert said in shell.refuses("render", "run.npz", *words)

@@ -14,7 +14,6 @@ from fgenv.view.figures.layout import beside, captioned
 from fgenv.view.figures.normals import corner_normals, normal_maps
 from fgenv.view.figures.palette import BLACK, ORANGE, VERMILION, WHITE, to_linear, to_srgb
 
-Array = NDArray[np.float64]
 FRONT = Camera(eye=(0.0, -4.0, 0.0), target=(0.0, 0.0, 0.0), fov=0.6, width=200, height=160)
 SUN = Light(to=(0.0, -0.6, 0.8), sun=0.5, above=(0.2, 0.2, 0.2), below=(0.1, 0.1, 0.1))
 
@@ -170,7 +169,7 @@ def test_same_picture_for_any_number_of_threads(monkeypatch: pytest.MonkeyPatch)
     np.testing.assert_array_equal(*pictures)
 
 
-# Normals and colours -----------------------------------------------------------------------------
+# Normals and colors -----------------------------------------------------------------------------
 
 
 def test_normals_of_a_box_are_its_sides_and_of_a_ball_its_radii() -> None:

@@ -86,11 +86,11 @@ def test_clearance_lines_are_as_long_as_the_clearances(live: Live) -> None:
     world, q = simulator.world(), simulator.configurations[0]
     ends, _ = drawings.clearances(live.overlays.moment(0))
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    wanted = [
+    expected = [
         float(world.clearance(robot.name, row[: robot.nq]).distance)
         for robot, row in zip(simulator.robots, q, strict=True)
     ]
-    np.testing.assert_allclose(lengths, wanted, atol=1e-9)
+    np.testing.assert_allclose(lengths, expected, atol=1e-9)
 
 
 def test_rays_end_on_what_stands_there(live: Live) -> None:

@@ -23,7 +23,7 @@ FOLDERS = {
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles of one body; `vertices` (n, 3) in metres, `faces` (m, 3)."""
+    """Triangles of one body; `vertices` (n, 3) in meters, `faces` (m, 3)."""
 
     name: str
     vertices: NDArray[np.float64]
@@ -31,7 +31,7 @@ class Mesh:
 
     @property
     def size(self) -> float:
-        """Length of the diagonal of the bounding box, metres."""
+        """Length of the diagonal of the bounding box, meters."""
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
 
 

@@ -11,12 +11,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Indices, Poses
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers.base import one_by_one
 
-Poses = NDArray[np.float64]  # (..., 4, 4)
-Distances = NDArray[np.float64]  # metres
-Rows = NDArray[np.intp]
 Verdict = Callable[[Poses], bool]  # of one pose (4, 4)
 Verdicts = Callable[[Poses], NDArray[np.bool_]]  # (n, 4, 4) -> (n,)
 
@@ -79,7 +77,7 @@ def random_poses_batched(
     """Poses (count, 4, 4) of `b` in the world, with `a` at `pose_a` (4, 4).
 
     `collides(poses_b)` is any checker of the pair; it only decides where the poses lie.
-    Half of them start with the centres together (whole bodies meet from outside), half with a
+    Half of them start with the centers together (whole bodies meet from outside), half with a
     point of one surface on a point of the other (so that every concavity is visited).
     `decades` are the exponents of ten between which the distance from contact lies, in sizes.
     """
@@ -106,17 +104,17 @@ class _Slide:
     def __init__(self, start: Poses, direction: NDArray[np.float64], collides: Verdicts) -> None:
         self.start, self.direction, self.collides = start, direction, collides
 
-    def at(self, distance: Distances, rows: Rows | slice = ALL) -> Poses:
-        """The poses of `rows` after `distance` (k,) metres."""
+    def at(self, distance: Floats, rows: Indices | slice = ALL) -> Poses:
+        """The poses of `rows` after `distance` (k,) meters."""
         poses = self.start[rows].copy()
         poses[:, :3, 3] += self.direction[rows] * distance[:, None]
         return poses
 
-    def hit(self, distance: Distances, rows: Rows) -> NDArray[np.bool_]:
-        """Whether the bodies of `rows` collide after `distance` (k,) metres."""
+    def hit(self, distance: Floats, rows: Indices) -> NDArray[np.bool_]:
+        """Whether the bodies of `rows` collide after `distance` (k,) meters."""
         return self.collides(self.at(distance, rows)) if len(rows) else np.zeros(0, np.bool_)
 
-    def place(self, step: float, offset: Distances, near: NDArray[np.bool_]) -> Distances:
+    def place(self, step: float, offset: Floats, near: NDArray[np.bool_]) -> Floats:
         """The distances `offset` before (`near`) or behind those where the bodies come free."""
         low, high = self.bracket(step)
         rows = np.flatnonzero(high - low > 0.1 * offset)
@@ -131,11 +129,11 @@ class _Slide:
         inner[beyond] = low[beyond]  # a thin wall lies behind already
         return np.where(near, inner, high + offset)
 
-    def bracket(self, step: float) -> tuple[Distances, Distances]:
+    def bracket(self, step: float) -> tuple[Floats, Floats]:
         """Two distances each, colliding and free; twice the same where nothing is met."""
         low, width = np.zeros(len(self.start)), np.full(len(self.start), step)
         lost = np.arange(len(self.start))
-        for turn in range(60):  # centres of hollow bodies lie free: look for the wall
+        for turn in range(60):  # centers of hollow bodies lie free: look for the wall
             low[lost] = turn * step
             lost = lost[~self.hit(low[lost], lost)]
         width[lost] = 0.0

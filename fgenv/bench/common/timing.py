@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Poses = NDArray[np.float64]
+from fgenv.arrays import Poses
+
 Job = Callable[[Poses], Any]
 Clock = Callable[[], float]  # seconds
 CHUNK = 250  # poses; a chunk is short beside what the scheduler grants

@@ -10,12 +10,10 @@ from math import pi
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.peers import peer
-
-Floats = NDArray[np.float64]
 
 
 def winding_numbers(points: Floats, mesh: Mesh) -> Floats:

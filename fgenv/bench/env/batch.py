@@ -9,13 +9,12 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.timing import Clock
 
 Record = dict[str, Any]  # what goes to JSON
 Step = Callable[[int], object]
-Rounds = NDArray[np.float64]
 ACTIONS = 64  # sets of actions drawn beforehand, used in turn
 
 
@@ -66,11 +65,11 @@ def race(
     seconds: float = 0.8,
     *,
     clock: Clock = process_time,
-) -> dict[str, Rounds]:
+) -> dict[str, Floats]:
     """Seconds a robot-step of each batch in each round, (rounds,).
 
     A round is as many steps as take about `seconds`, at least one; batches take turns, and who
-    begins changes from round to round. Compare what belongs to one round: neighbours were timed
+    begins changes from round to round. Compare what belongs to one round: neighbors were timed
     under the same load of the machine, which may double what a step takes.
     """
     steps = {name: _affordable(batch, seconds, clock) for name, batch in batches.items()}

@@ -29,7 +29,7 @@ def navigation(robots: int, worlds: int, seed: int) -> Batch:
         n_agents=robots,
         collisions=True,
         n_lidar_rays=RAYS,
-        lidar_range=0.35,  # metres; agents have a radius of 0.1
+        lidar_range=0.35,  # meters; agents have a radius of 0.1
     )
     draw = torch.Generator().manual_seed(seed)
     drawn = 2.0 * torch.rand((ACTIONS, robots, worlds, 2), generator=draw) - 1.0
@@ -42,7 +42,7 @@ def spread(robots: int, worlds: int, seed: int) -> Batch:
     from mpe2 import simple_spread_v3
 
     if worlds != 1:
-        raise ValueError(f"worlds: {worlds}, wanted 1: MPE2 steps no more at once")
+        raise ValueError(f"worlds: got {worlds}, expected 1: MPE2 steps no more at once")
     env = simple_spread_v3.parallel_env(N=robots, max_cycles=ENDLESS, continuous_actions=True)
     return parallel_batch(env, seed)
 

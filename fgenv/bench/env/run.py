@@ -7,9 +7,10 @@ from time import process_time
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.timing import Clock
 from fgenv.bench.env import ours
-from fgenv.bench.env.batch import Batch, Peer, Record, Rounds, race
+from fgenv.bench.env.batch import Batch, Peer, Record, race
 
 ROBOTS, WORLDS = (4, 10), (1, 32, 1024)
 GROWTH, GROWTH_WORLDS = (8, 16, 32, 64), 4  # robots; worlds of each
@@ -30,7 +31,7 @@ def bench_env(
     """
     rounds, seconds = (3, 0.15) if quick else (9, 0.8)
 
-    def timed(batches: Mapping[str, Batch]) -> dict[str, Rounds]:
+    def timed(batches: Mapping[str, Batch]) -> dict[str, Floats]:
         return race(batches, rounds, seconds, clock=clock)
 
     for worlds in WORLDS[: 2 if quick else None]:
@@ -49,7 +50,7 @@ def bench_env(
         yield "views", view_cost(name, view, timed({"view": view, "simulator": below}))
 
 
-def rates(robots: int, worlds: int, times: Mapping[str, Rounds]) -> Record:
+def rates(robots: int, worlds: int, times: Mapping[str, Floats]) -> Record:
     """One row: the rate of each library, median, least and most over the rounds; `ratio`: how
     many times as fast fgenv is, the median over what each round says."""
     found = {
@@ -65,14 +66,14 @@ def rates(robots: int, worlds: int, times: Mapping[str, Rounds]) -> Record:
     return {"robots": robots, "worlds": worlds, "peers": found, "ratio": ratio}
 
 
-def growth(times: Mapping[str, Rounds]) -> Record:
+def growth(times: Mapping[str, Floats]) -> Record:
     """Seconds a robot-step over the number of robots, and the last over the first."""
     rows = [{"robots": int(n), "seconds": float(np.median(t))} for n, t in times.items()]
     few, *_, many = times.values()
     return {"rows": rows, "times": float(np.median(many / few))}
 
 
-def view_cost(name: str, view: Batch, times: Mapping[str, Rounds]) -> Record:
+def view_cost(name: str, view: Batch, times: Mapping[str, Floats]) -> Record:
     """Seconds a step of a view and of the simulator below it, and `rate`, the view's as a share."""
     above, below = times["view"], times["simulator"]
     return {

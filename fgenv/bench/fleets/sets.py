@@ -52,5 +52,5 @@ def chosen(which: str) -> tuple[Fleet, ...]:
     found = tuple(fleet for fleet in FLEETS if any(word in fleet.name for word in words))
     if not found:
         names = "; ".join(fleet.name for fleet in FLEETS)
-        raise ValueError(f"fleets: nothing has {which!r} in its name, wanted a part of: {names}")
+        raise ValueError(f"fleets: nothing has {which!r} in its name, expected a part of: {names}")
     return found

@@ -12,14 +12,14 @@ ADROIT = "adroit_hand/resources/meshes"
 
 @dataclass(frozen=True)
 class Source:
-    """Where a mesh is: package, path in its mesh folder, metres per file unit."""
+    """Where a mesh is: package, path in its mesh folder, meters per file unit."""
 
     package: str
     path: str
     scale: float = 1.0
 
     def load(self) -> Mesh:
-        """The mesh, in metres."""
+        """The mesh, in meters."""
         return load(self.package, self.path, self.scale)
 
 
@@ -115,7 +115,7 @@ def chosen(which: str) -> tuple[Pair, ...]:
     found = tuple(pair for pair in PAIRS if _wanted(pair, which))
     if not found:
         names = "; ".join(pair.name for pair in PAIRS)
-        raise ValueError(f"pairs is {which!r}, wanted all, quick, or part of a name: {names}")
+        raise ValueError(f"pairs is {which!r}, expected all, quick, or part of a name: {names}")
     here = tuple(pair for pair in found if pair.here)
     if not here:
         found[0].a.load()  # says what to install

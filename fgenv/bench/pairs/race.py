@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.memory import kept_bytes
-from fgenv.bench.common.poses import Poses, random_poses_batched, random_rotations
+from fgenv.bench.common.poses import random_poses_batched, random_rotations
 from fgenv.bench.common.timing import build_seconds, each_call, race
 from fgenv.bench.pairs.catalog import Pair
 from fgenv.bench.peers import Checker, Peer

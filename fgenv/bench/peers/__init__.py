@@ -31,7 +31,7 @@ def selected(names: str) -> list[str]:
 def peer(name: str) -> Peer:
     """The peer called `name`; ValueError names what there is."""
     if name not in KNOWN:
-        raise ValueError(f"peers names {name!r}, wanted some of {', '.join(KNOWN)}")
+        raise ValueError(f"peers names {name!r}, expected some of {', '.join(KNOWN)}")
     module, needs = KNOWN[name]
     if find_spec(needs) is None:
         raise ValueError(f'peer {name} is not installed: pip install "fgenv[bench]"')

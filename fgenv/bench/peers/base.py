@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-
-Poses = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -20,7 +19,7 @@ class Checker:
 
     collide: Callable[[Poses], bool]  # (4, 4) -> verdict
     collide_all: Callable[[Poses], NDArray[np.bool_]]  # (n, 4, 4) -> (n,)
-    distance_all: Callable[[Poses], NDArray[np.float64]] | None = None  # (n, 4, 4) -> (n,) metres
+    distance_all: Callable[[Poses], NDArray[np.float64]] | None = None  # (n, 4, 4) -> (n,) meters
     distance: Callable[[Poses], float] | None = None
 
 

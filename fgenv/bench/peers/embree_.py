@@ -10,8 +10,9 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 from numpy.typing import NDArray
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, Poses, one_by_one
+from fgenv.bench.peers.base import Checker, Peer, one_by_one
 
 
 class _Model:

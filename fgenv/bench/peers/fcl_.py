@@ -9,8 +9,9 @@ import fcl
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, Poses
+from fgenv.bench.peers.base import Checker, Peer
 
 
 def _build(mesh: Mesh) -> Any:

@@ -6,8 +6,9 @@ import warnings
 from typing import Any
 
 import fgenv
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, Poses
+from fgenv.bench.peers.base import Checker, Peer
 from fgenv.collision import MeshWarning, Shape, collide, distance
 
 

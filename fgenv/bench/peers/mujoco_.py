@@ -7,8 +7,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, Poses, one_by_one
+from fgenv.bench.peers.base import Checker, Peer, one_by_one
 
 
 def _build(mesh: Mesh) -> Mesh:

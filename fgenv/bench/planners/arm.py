@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.planners.problem import Problem
 from fgenv.scenarios.build import urdf_path
 
 from .coal_ import coal_model
 from .rigid import Bind, Collides, faster
-from .task import Floats, merged, moved
+from .task import merged, moved
 
 ARM = "pinocchio + coal"
 STEP = 1 / 32  # radians in the joint space: of a discrete check
@@ -61,7 +62,7 @@ class Kinematics:
         spec = problem.scenario.models[problem.scenario.robots[0].model]
         self.model = pin.buildModelFromUrdf(str(urdf_path(str(spec.urdf), problem.scenario.folder)))
         if tuple(self.model.names)[1:] != self.robot.coordinates:
-            raise ValueError(f"mbm: joints {list(self.model.names)}, wanted the robot's")
+            raise ValueError(f"mbm: joints {list(self.model.names)}, expected the robot's")
         self.links = [coal_model(moved(part.shape, np.eye(4))) for part in self.robot.parts]
 
     def bind(self, standing: list[Any]) -> Bind:

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from fgenv.arrays import Floats
+
 from .rigid import Bind, Collides, faster, joined
-from .task import Floats, Task, Triangles, merged
+from .task import Task, Triangles, merged
 
 
 def coal_model(mesh: Triangles) -> Any:

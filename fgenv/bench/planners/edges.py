@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
+
 from .search import Found, run, seeded
-from .task import Floats
 from .ways import Way
 
 

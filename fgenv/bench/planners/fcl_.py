@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from fgenv.arrays import Floats
+
 from .rigid import Bind, Collides, faster, joined
-from .task import Floats, Task, Triangles, merged
+from .task import Task, Triangles, merged
 
 
 def fcl_bodies(task: Task) -> Bind:

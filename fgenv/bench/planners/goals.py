@@ -1,4 +1,4 @@
-"""What was wanted of ``fgenv bench planners``, and what was measured."""
+"""What was expected of ``fgenv bench planners``, and what was measured."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .ways import CERTIFIED
 
 
 def goals(done: Mapping[str, Sequence[Record]]) -> Record:
-    """Each goal: `wanted`, `measured`, and `at_most` where less is better. Seconds, and times."""
+    """Each goal: `expected`, `measured`, and `at_most` where less is better. Seconds, and times."""
     found: Record = {}
     for record in done["problems"]:
         found |= _of_problem(record)
@@ -19,7 +19,7 @@ def goals(done: Mapping[str, Sequence[Record]]) -> Record:
         found["hidden collisions"] = at_most(0, sum(certified))
     if done["mbm"]:
         own = arm_run.summed(done["mbm"])[CERTIFIED]
-        found["mbm: share solved"] = {"wanted": 0.99, "measured": own["solved"]}
+        found["mbm: share solved"] = {"expected": 0.99, "measured": own["solved"]}
         if own["median"] is not None:
             found["mbm: median, s"] = at_most(0.02, own["median"])
     return found
@@ -29,12 +29,12 @@ def _of_problem(record: Record) -> Record:
     name, ratio = record["problem"], record["ratio"]
     found: Record = {}
     if "solution" in ratio:
-        wanted = 10.0 if record["robots"] > 1 else 5.0
+        expected = 10.0 if record["robots"] > 1 else 5.0
         title = f"{name}: first solution, ×FCL"
-        found[title] = {"wanted": wanted, "measured": ratio["solution"]}
+        found[title] = {"expected": expected, "measured": ratio["solution"]}
     if "check_all" in ratio:
         title = f"{name}: equal edges, ×FCL"
-        found[title] = {"wanted": 10.0, "measured": ratio["check_all"]}
+        found[title] = {"expected": 10.0, "measured": ratio["check_all"]}
         took = record["edges"]["all"]
         found[f"{name}: certified edge, µs"] = at_most(10.0, 1e6 * took["native"])
         plug_in = 1e6 * (took[CERTIFIED] - took["native"])
@@ -44,6 +44,6 @@ def _of_problem(record: Record) -> Record:
     return found
 
 
-def at_most(wanted: float, measured: float) -> Record:
+def at_most(expected: float, measured: float) -> Record:
     """A goal where less is better."""
-    return {"wanted": wanted, "measured": measured, "at_most": True}
+    return {"expected": expected, "measured": measured, "at_most": True}

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.bench.common.timing import race
 
 from .edges import Recording
 from .search import seeded
-from .task import Floats
 from .ways import CERTIFIED, DISCRETE, Search, Way
 
 EDGES = 1000  # that all ways are asked

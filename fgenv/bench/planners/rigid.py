@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .task import Floats
+from fgenv.arrays import Floats
 
 Collides = Callable[[], bool]  # of the configuration in the row that was bound
 Bind = Callable[[Floats], Collides]  # to a row (7 n,): x, y, z, qx, qy, qz, qw of each robot

@@ -23,14 +23,14 @@ SOME_MBM = 3  # problems of a family
 
 
 @dataclass(frozen=True)
-class Wanted:
+class PlannerBenchConfig:
     """What to run.
 
     Attributes:
         problems: names, as `Task.of` takes them.
         seeds: of the searches.
         limit: CPU seconds of a search.
-        resolution: metres, of discrete checks; None: 1 % of the room's diagonal.
+        resolution: meters, of discrete checks; None: 1 % of the room's diagonal.
         peers: of `PEERS`; python-fcl, which judges, is among them.
         traps: whether the traps are tried.
         mbm: MotionBenchMaker's problems of each family; None: a few where pinocchio is installed.
@@ -55,14 +55,14 @@ class Wanted:
         """
         for name in self.peers:
             if name not in PEERS:
-                raise ValueError(f"peers: {name!r}, wanted some of {', '.join(PEERS)}")
+                raise ValueError(f"peers: got {name!r}, expected some of {', '.join(PEERS)}")
             import_module(PEERS[name])
         if FCL not in self.peers:
-            raise ValueError(f"peers: wanted {FCL} among them, it is the judge")
+            raise ValueError(f"peers: expected {FCL} among them, it is the judge")
         if self.mbm and not find_spec("pinocchio"):
             raise ImportError("pinocchio is not installed; remedy: pip install pin")
         if not self.limit > 0:
-            raise ValueError(f"time_limit: {self.limit}, wanted seconds over 0")
+            raise ValueError(f"time_limit: got {self.limit}, expected seconds over 0")
 
     @property
     def arms(self) -> list[int]:
@@ -74,24 +74,24 @@ class Wanted:
 
 
 def bench_planners(
-    wanted: Wanted, told: Callable[[str], None] = lambda doing: None
+    config: PlannerBenchConfig, told: Callable[[str], None] = lambda doing: None
 ) -> Iterator[tuple[str, Record]]:
     """Yield (kind, record): `problems`, `traps`, `mbm` by family, `goals` at last.
 
     Seconds are CPU seconds of the process. `told` hears what is being done.
     """
-    wanted.check()
-    tasks = [Task.of(name, wanted.resolution) for name in wanted.problems]
+    config.check()
+    tasks = [Task.of(name, config.resolution) for name in config.problems]
     done: dict[str, list[Record]] = {"problems": [], "traps": [], "mbm": []}
     with silent():
-        for kind, record in _parts(wanted, tasks, told):
+        for kind, record in _parts(config, tasks, told):
             done[kind].append(record)
             yield kind, record
     yield "goals", goals(done)
 
 
 def _parts(
-    wanted: Wanted, tasks: Sequence[Task], told: Callable[[str], None]
+    config: PlannerBenchConfig, tasks: Sequence[Task], told: Callable[[str], None]
 ) -> Iterator[tuple[str, Record]]:
     def named(name: str) -> Callable[[str], None]:
         return lambda doing: told(f"{name}: {doing}")
@@ -99,16 +99,16 @@ def _parts(
     for task in tasks:
         yield (
             "problems",
-            race_task(task, wanted.peers, wanted.seeds, wanted.limit, named(task.name)),
+            race_task(task, config.peers, config.seeds, config.limit, named(task.name)),
         )
-    for name in TRAPS if wanted.traps else ():
-        task = Task.of(name, wanted.resolution)
-        yield "traps", race_trap(task, wanted.seeds, wanted.limit, named(name))
-    for family in arm_run.FAMILIES if wanted.arms else ():
+    for name in TRAPS if config.traps else ():
+        task = Task.of(name, config.resolution)
+        yield "traps", race_trap(task, config.seeds, config.limit, named(name))
+    for family in arm_run.FAMILIES if config.arms else ():
         yield (
             "mbm",
             arm_run.race_family(
-                family, wanted.arms, wanted.seeds[0], wanted.arm_limit, named("mbm")
+                family, config.arms, config.seeds[0], config.arm_limit, named("mbm")
             ),
         )
 

@@ -15,8 +15,9 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
+from fgenv.arrays import Floats
+
 from .rigid import Bind, asked
-from .task import Floats
 from .ways import Search, Way
 
 WALL = 20.0  # times the limit by the wall's clock, where others load the machine

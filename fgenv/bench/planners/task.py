@@ -10,18 +10,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.planners.ompl.plugin import room
 from fgenv.planners.ompl.spaces import Layout, compound_of, space_of
 from fgenv.planners.problem import Problem
 from fgenv.planners.steering import Steering
 
-Floats = NDArray[np.float64]
 FINE = 0.01  # of the space's extent: the resolution that OMPL has where nobody says one
 SAMPLES = 2000  # configurations, to compare lengths of steps on
 
 
 class Triangles(NamedTuple):
-    """A mesh as libraries take it, metres."""
+    """A mesh as libraries take it, meters."""
 
     vertices: Floats  # (n, 3)
     faces: NDArray[np.int64]  # (m, 3)
@@ -34,7 +34,7 @@ class Task:
     Attributes:
         name: of the scenario, with `:2` for two robots.
         problem: as planners take it.
-        resolution: metres that no point moves farther in a discrete check's step.
+        resolution: meters that no point moves farther in a discrete check's step.
     """
 
     name: str
@@ -50,16 +50,16 @@ class Task:
         """
         scenario, _, n = name.partition(":")
         if n and not n.isdecimal():
-            raise ValueError(f"problems: {name!r}, wanted a scenario's name, or NAME:ROBOTS")
+            raise ValueError(f"problems: got {name!r}, expected a scenario's name, or NAME:ROBOTS")
         problem = Problem.of(scenario, **({"n": int(n)} if n else {}))
         for robot in problem.models:
             if robot.base != "free" or robot.nq != 7 or (robot.mount != np.eye(4)).any():
-                raise ValueError(f"problems: {name!r}: wanted robots that are free bodies")
+                raise ValueError(f"problems: {name!r}: expected robots that are free bodies")
         if resolution is not None and not resolution > 0:
-            raise ValueError(f"resolution: {resolution}, wanted metres over 0")
+            raise ValueError(f"resolution: got {resolution}, expected meters over 0")
         task = cls(name, problem, resolution or 1.0)
         if any(layout.level for layout in task.layouts):
-            raise ValueError(f"problems: {name!r}: wanted robots that turn any way")
+            raise ValueError(f"problems: {name!r}: expected robots that turn any way")
         return task if resolution else cls(name, problem, FINE * task.extent)
 
     @cached_property
@@ -75,7 +75,7 @@ class Task:
 
     @property
     def extent(self) -> float:
-        """Metres: the diagonal of where the first robot's origin may be."""
+        """Meters: the diagonal of where the first robot's origin may be."""
         return float(bodies_of(self.space())[0].getSubspaces()[0].getMaximumExtent())
 
     @cached_property

@@ -67,7 +67,7 @@ Way = Callable[[], Search]  # everything of OMPL's is new in each
 
 
 def ours(problem: Problem, resolution: float | None = None) -> Way:
-    """fgenv's plug-in: certified, or discrete at a resolution in metres."""
+    """fgenv's plug-in: certified, or discrete at a resolution in meters."""
 
     def make() -> Search:
         made = setup(problem, resolution=resolution, world=problem.world)

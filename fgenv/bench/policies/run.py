@@ -20,7 +20,7 @@ GUIDED = "orca:shortest"
 
 @dataclass(frozen=True)
 class Trial:
-    """A frozen set, who is trained for it, and what is wanted of it.
+    """A frozen set, who is trained for it, and what is expected of it.
 
     Attributes:
         name: of the row.
@@ -96,7 +96,7 @@ def chosen(which: str) -> list[Trial]:
     found = [trial for trial in every if any(word in trial.name for word in words)]
     if not found:
         names = "; ".join(trial.name for trial in every)
-        raise ValueError(f"sets: nothing has {which!r} in its name, wanted a part of: {names}")
+        raise ValueError(f"sets: nothing has {which!r} in its name, expected a part of: {names}")
     return found
 
 
@@ -109,7 +109,7 @@ def run(trial: Trial, cases: int, jobs: int) -> list[Record]:
 
 
 def record(trial: Trial, name: str, found: Evaluation) -> Record:
-    """What is told of one policy; `met`: whether it is as good as wanted, None of the base."""
+    """What is told of one policy; `met`: whether it is as good as expected, None of the base."""
     score, base = found.scores[name], found.scores[trial.base].success.value
     above = min(1.0, base + trial.above) if trial.above else 0.0
     goal = max(trial.goal, above)

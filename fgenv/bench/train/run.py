@@ -18,7 +18,7 @@ from fgenv.bench.common.timing import Clock
 from fgenv.envs import Observation
 
 ROBOTS, JITTER, MAX_STEPS = 8, 0.3, 300
-SEEN = Observation(lidar=False, neighbours=3)
+SEEN = Observation(lidar=False, neighbors=3)
 ROWS = {"fgenv": 32, "SuperSuit": 32}  # worlds
 Record = dict[str, Any]
 

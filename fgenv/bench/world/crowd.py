@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.poses import Poses, random_directions, random_rotations
+from fgenv.bench.common.poses import random_directions, random_rotations
 from fgenv.bench.pairs.catalog import ROBOTS, Source
-
-Floats = NDArray[np.float64]
 
 # Real, concave, watertight: a robot's castor and a leg. Volume over that of the hull: 0.46, 0.53.
 MESHES = {
@@ -24,11 +22,11 @@ DRIFT, TURN = 0.02, 0.05  # sizes and radians a step
 
 @dataclass(frozen=True)
 class Crowd:
-    """Where n bodies start and how they move; `side` of the cube in metres."""
+    """Where n bodies start and how they move; `side` of the cube in meters."""
 
     side: float
     start: Floats  # (n, 3)
-    drift: Floats  # (n, 3), metres a step
+    drift: Floats  # (n, 3), meters a step
     turn: Poses  # (n, 3, 3) at the start
     axis: Floats  # (n, 3)
 

@@ -15,13 +15,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from fgenv.arrays import Flags, Indices, Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.poses import (
-    Poses,
-    random_directions,
-    random_poses_batched,
-    random_rotations,
-)
+from fgenv.bench.common.poses import random_directions, random_poses_batched, random_rotations
 from fgenv.bench.pairs.catalog import PAIRS
 from fgenv.bench.peers.fcl_ import PEER as FCL
 from fgenv.bench.peers.fgenv_ import PEER as FGENV
@@ -30,10 +26,8 @@ from fgenv.bench.world.movers import along, between
 from fgenv.collision import World
 
 Record = dict[str, Any]
-Flags = NDArray[np.bool_]
-Rows = NDArray[np.intp]
-Way = Callable[[Rows], Flags]
-STEP = 0.01  # metres that any point moves in a step of the discrete check
+Way = Callable[[Indices], Flags]
+STEP = 0.01  # meters that any point moves in a step of the discrete check
 DENSE = 1000  # poses of a motion in the cross-check of the truth
 BUDGET = 4.0  # seconds
 NAMES = ("panda link5, hand", "solo legs", "z1 link1, link2", "ur5 base, upper arm")
@@ -58,11 +52,11 @@ class Motions:
 
     @property
     def radius(self) -> float:
-        """Metres from the origin of b to its farthest vertex."""
+        """Meters from the origin of b to its farthest vertex."""
         return float(np.linalg.norm(self.b.vertices, axis=1).max())
 
     def travel(self) -> NDArray[np.float64]:
-        """Metres (n,) that no point of b moves beyond."""
+        """Meters (n,) that no point of b moves beyond."""
         way = np.linalg.norm(self.T1[:, :3, 3] - self.T0[:, :3, 3], axis=1)
         turn = self.T1[:, :3, :3] @ self.T0[:, :3, :3].swapaxes(1, 2)
         cosine = np.clip((np.trace(turn, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)
@@ -212,7 +206,7 @@ def _ways(world: World, robot: int, motions: Motions, other: Fcl) -> dict[str, W
     poses = steps(motions, STEP)
 
     def ours(**how: Any) -> Way:
-        def ask(rows: Rows) -> Flags:
+        def ask(rows: Indices) -> Flags:
             T0, T1 = motions.T0[rows], motions.T1[rows]
             return ~np.asarray(world.check_motion(robot, T0, T1, threads=1, **how).free)
 
@@ -277,7 +271,7 @@ def _quartiles(values: NDArray[np.float64]) -> list[float]:
 
 
 def _race(
-    jobs: Mapping[str, Way], asked: Mapping[str, int], rows: Rows, rounds: int
+    jobs: Mapping[str, Way], asked: Mapping[str, int], rows: Indices, rounds: int
 ) -> dict[str, float]:
     """Median CPU seconds a motion of each, in turns; ways that can't afford all are run once."""
     taken: dict[str, list[float]] = {name: [] for name in jobs}

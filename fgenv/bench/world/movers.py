@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from fgenv.arrays import Floats, Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.poses import Poses, random_directions, random_rotations
+from fgenv.bench.common.poses import random_directions, random_rotations
 from fgenv.bench.peers.fgenv_ import PEER
-from fgenv.bench.world.crowd import SPACING, Crowd, Floats, crowd, turned
+from fgenv.bench.world.crowd import SPACING, Crowd, crowd, turned
 from fgenv.collision import World
 
 Record = dict[str, Any]

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.poses import Poses
 
 Pairs = set[tuple[int, int]]  # indices of bodies, rising
 

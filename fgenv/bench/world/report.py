@@ -151,16 +151,16 @@ def truths_table(records: Sequence[Record]) -> Table:
 
 
 def goals_table(records: Sequence[Mapping[str, Any]]) -> Table:
-    """What was wanted, and what was measured."""
+    """What was expected, and what was measured."""
     table = _table("Goals")
     table.add_column("", no_wrap=True)
-    for title in ("wanted", "measured", ""):
+    for title in ("expected", "measured", ""):
         table.add_column(title, justify="right", no_wrap=True)
     for goal, found in records[0].items():
-        most, wanted, measured = found.get("at_most"), found["wanted"], found["measured"]
-        held = measured <= wanted if most else measured >= wanted
+        most, expected, measured = found.get("at_most"), found["expected"], found["measured"]
+        held = measured <= expected if most else measured >= expected
         word = "at most" if most else "at least"
-        table.add_row(goal, f"{word} {wanted:.3g}", f"{measured:.3g}", "yes" if held else "no")
+        table.add_row(goal, f"{word} {expected:.3g}", f"{measured:.3g}", "yes" if held else "no")
     return table
 
 

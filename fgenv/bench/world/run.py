@@ -51,19 +51,19 @@ def bench_world(*, seed: int = 0, quick: bool = False) -> Iterator[tuple[str, Re
 
 
 def goals(done: dict[str, list[Record]]) -> Record:
-    """Each goal: what was wanted, and what was measured."""
+    """Each goal: what was expected, and what was measured."""
     found: Record = {}
     for row in done["steps"]:
         if row["bodies"] in (100, 1000):
             peers, name = row["peers"], f"{row['bodies']} bodies of {row['triangles']}"
             if "step" in peers.get("python-fcl", {}):
                 times = peers["python-fcl"]["step"] / peers["fgenv"]["step"]
-                found[f"×FCL, {name}"] = {"wanted": 10.0, "measured": times}
+                found[f"×FCL, {name}"] = {"expected": 10.0, "measured": times}
     for triangles in dict.fromkeys(row["triangles"] for row in done["steps"]):
         rows = [row for row in done["steps"] if row["triangles"] == triangles]
         if grown := growth(rows):
             found[f"growth, {grown['from']} to {grown['to']} bodies of {triangles}"] = {
-                "wanted": grown["n_log_n"],
+                "expected": grown["n_log_n"],
                 "measured": grown["times"],
                 "at_most": True,
             }
@@ -71,18 +71,18 @@ def goals(done: dict[str, list[Record]]) -> Record:
         few, many = (record["rows"][k]["bodies"] for k in (0, -1))
         for job in ("collides", "check_motion"):
             found[f"{job}, {many} against {few} of {record['triangles']}"] = {
-                "wanted": 2.0,
+                "expected": 2.0,
                 "measured": record["growth"][job],
                 "at_most": True,
             }
     for record in done["threads"]:
         for job, times in record.items():
-            found[f"two threads, {job}"] = {"wanted": 1.7, "measured": times}
+            found[f"two threads, {job}"] = {"expected": 1.7, "measured": times}
     for record in done["motions"]:
         ways = record["ways"]
         if ways["continuous"]["free"] and ways["discrete 1 cm"]["free"]:
             found[f"continuous / discrete, {record['name']}"] = {
-                "wanted": 1.0,
+                "expected": 1.0,
                 "measured": ways["continuous"]["free"] / ways["discrete 1 cm"]["free"],
                 "at_most": True,
             }

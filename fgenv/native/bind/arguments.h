@@ -9,14 +9,14 @@ static inline int threads_of(nb::handle value) {
     if (value.is_none()) return 0;
     int n = 0;
     if (!nb::try_cast(value, n) || n < 1 || n > 4096)
-        throw nb::value_error("threads: wanted a whole number from 1 to 4096, or None for all cores");
+        throw nb::value_error("threads: expected a whole number from 1 to 4096, or None for all cores");
     return n;
 }
 
 // Finite and not below 0.
-static inline double metres_of(double value, const char* name) {
+static inline double meters_of(double value, const char* name) {
     if (!(value >= 0) || std::isinf(value))
-        throw nb::value_error((std::string(name) + ": " + std::to_string(value) + ", wanted metres, 0 or more").c_str());
+        throw nb::value_error((std::string(name) + ": " + std::to_string(value) + ", expected meters, 0 or more").c_str());
     return value;
 }
 

@@ -26,13 +26,13 @@ Array<T> through_numpy(nb::handle value, const char* name, const char* kinds, co
         array = numpy.attr("asarray")(value);
     } catch (nb::python_error& e) {
         if (!e.matches(PyExc_ValueError) && !e.matches(PyExc_TypeError)) throw;
-        bad_value(std::string(name) + ": rows of different lengths, wanted an array of numbers");
+        bad_value(std::string(name) + ": rows of different lengths, expected an array of numbers");
     }
     const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
     const bool empty = nb::cast<int64_t>(array.attr("size")) == 0;
     if (std::string(kinds).find(kind) == std::string::npos && !(empty && kind == "f"))
         bad_type(std::string(name) + ": dtype " + nb::cast<std::string>(array.attr("dtype").attr("name")) +
-                 ", wanted " + dtype);
+                 ", expected " + dtype);
     array = numpy.attr("ascontiguousarray")(array, numpy.attr(dtype)).attr("reshape")(array.attr("shape"));
     return wrap(nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array));
 }
@@ -53,7 +53,7 @@ double determinant(const double* m) {
            m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
-constexpr double farthest = 1e12;  // metres
+constexpr double farthest = 1e12;  // meters
 
 bool is_rigid(const double* m) {
     return std::fabs(m[3]) <= farthest && std::fabs(m[7]) <= farthest && std::fabs(m[11]) <= farthest &&
@@ -109,13 +109,13 @@ Array<int64_t> indices(nb::handle value, const char* name) {
 Array<double> points(nb::handle value, const char* name) {
     Array<double> array = doubles(value, name);
     if (array.dims.empty() || array.dims.back() != 3)
-        bad_value(std::string(name) + ": shape " + to_string(array.dims) + ", wanted (..., 3)");
+        bad_value(std::string(name) + ": shape " + to_string(array.dims) + ", expected (..., 3)");
     Dims rows = array.dims;
     rows.pop_back();
     for (size_t i = 0; i < array.view.size(); ++i)
         if (!std::isfinite(array.data()[i]))
             bad_value(std::string(name) + index_text(array.dims, static_cast<int64_t>(i)) + " is " +
-                      number(array.data()[i]) + ", wanted finite coordinates");
+                      number(array.data()[i]) + ", expected finite coordinates");
     return array;
 }
 
@@ -125,7 +125,7 @@ Poses poses(nb::handle value, const char* name) {
     const size_t n = array.dims.size();
     if (n < 2 || array.dims[n - 1] != 4 || array.dims[n - 2] != 4)
         bad_value(std::string(name) + ": shape " + to_string(array.dims) +
-                  ", wanted (..., 4, 4), homogeneous poses");
+                  ", expected (..., 4, 4), homogeneous poses");
     out.dims.assign(array.dims.begin(), array.dims.end() - 2);
     for (size_t i = 0; i < out.size(); ++i) {
         const double* m = array.data() + 16 * i;
@@ -133,7 +133,7 @@ Poses poses(nb::handle value, const char* name) {
         double found = 0;
         const char* text = fault(m, found);
         bad_value(std::string(name) + index_text(out.dims, static_cast<int64_t>(i)) + " " + text + " (" +
-                  number(found) + "): wanted a rigid motion; scale a shape with Shape.load(scale=)");
+                  number(found) + "): expected a rigid motion; scale a shape with Shape.load(scale=)");
     }
     return out;
 }

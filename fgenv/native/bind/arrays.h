@@ -1,5 +1,5 @@
 // The boundary between NumPy and the core: shape, dtype and finiteness of every argument are checked
-// here, and an error names the argument, what came and what is wanted.
+// here, and an error names the argument, what came and what is expected.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -106,9 +106,9 @@ private:
 
 BoundChecker& bound(PyObject* self) { return *nb::inst_ptr<BoundChecker>(self); }
 
-bool takes(Py_ssize_t n, Py_ssize_t wanted) {
-    if (n == wanted) return true;
-    PyErr_Format(PyExc_TypeError, "%zd arguments, wanted %zd", n, wanted);
+bool takes(Py_ssize_t n, Py_ssize_t expected) {
+    if (n == expected) return true;
+    PyErr_Format(PyExc_TypeError, "%zd arguments, expected %zd", n, expected);
     return false;
 }
 
@@ -139,11 +139,11 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
     for (size_t i = 0; i < all.size(); ++i) {
         const BodyId id = robot_of(w, all[i], "robots");
         const Model model = w.body(id).robot;
-        if (ways[i] < 0 || ways[i] > 3 || !(radii[i] > 0)) fail("ways, radii: wanted 0 to 3, metres over 0");
+        if (ways[i] < 0 || ways[i] > 3 || !(radii[i] > 0)) fail("ways, radii: expected 0 to 3, meters over 0");
         const bool free = model && model->joints[0].kind == JointKind::free;
         const bool fits = model ? sizes[i] == model->nq() || (free && sizes[i] == model->nq() - 3) : sizes[i] == 3 || sizes[i] == 7;
         if (!fits)
-            fail("robots: '" + w.body(id).name + "' with states of " + std::to_string(sizes[i]) + " numbers, wanted " +
+            fail("robots: '" + w.body(id).name + "' with states of " + std::to_string(sizes[i]) + " numbers, expected " +
                  (model ? std::to_string(model->nq()) : std::string("3 (SE2) or 7 (SE3)")));
         const bool planar = model && model->joints[0].kind == JointKind::planar;
         if (ways[i] != 0 && !planar) fail("ways: '" + w.body(id).name + "' has no planar base, and goes straight");
@@ -151,7 +151,7 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
             if (m.id == id) fail("robots: '" + w.body(id).name + "' is named twice");
         out.push_back({id, model, sizes[i], {static_cast<Way>(ways[i]), radii[i], reverse[i]}});
         if (rooms.empty()) continue;
-        if (rooms[i].size() != 4) fail("rooms: wanted least x, y, greatest x, y of each");
+        if (rooms[i].size() != 4) fail("rooms: expected least x, y, greatest x, y of each");
         for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = rooms[i][k];
     }
     return out;
@@ -162,15 +162,15 @@ void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const
                   double margin, double tolerance, double resolution, const std::vector<std::vector<double>>& rooms) {
     const World& w = nb::cast<const World&>(world);
     MotionSettings s;
-    if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", wanted metres, 0 or more");
-    if (!(tolerance > 0) || std::isinf(tolerance)) fail("tolerance: " + number(tolerance) + ", wanted metres, over 0");
-    if (!(resolution >= 0) || std::isinf(resolution)) fail("resolution: " + number(resolution) + ", wanted metres, over 0");
+    if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", expected meters, 0 or more");
+    if (!(tolerance > 0) || std::isinf(tolerance)) fail("tolerance: " + number(tolerance) + ", expected meters, over 0");
+    if (!(resolution >= 0) || std::isinf(resolution)) fail("resolution: " + number(resolution) + ", expected meters, over 0");
     s.certify.margin = margin;
     s.certify.tolerance = tolerance;
     s.resolution = resolution;
     const AskedBodies all = asked_bodies(robots, "robots");
     std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse, rooms);
-    if (members.empty()) fail("robots: none, wanted one at least");
+    if (members.empty()) fail("robots: none, expected one at least");
     new (self) BoundChecker(std::move(world), std::move(members), s);
 }
 
@@ -184,7 +184,7 @@ States states(nb::handle value, int32_t n, const char* name) {
     States out{doubles(value, name), {}};
     const Dims& dims = out.array.dims;
     if (dims.empty() || dims.back() != n)
-        fail(std::string(name) + ": shape " + to_string(dims) + ", wanted (..., " + std::to_string(n) + ")");
+        fail(std::string(name) + ": shape " + to_string(dims) + ", expected (..., " + std::to_string(n) + ")");
     out.dims.assign(dims.begin(), dims.end() - 1);
     return out;
 }
@@ -224,8 +224,8 @@ nb::object free_all(BoundChecker& b, nb::handle q0, nb::handle q1) {
 
 nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb::handle q0, nb::handle q1) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
-    if (!from.dims.empty() || !to.dims.empty()) fail("q0, q1: wanted one configuration each");
-    if (way < 0 || way > 3 || !(radius > 0)) fail("way, radius: wanted 0 to 3, metres over 0");
+    if (!from.dims.empty() || !to.dims.empty()) fail("q0, q1: expected one configuration each");
+    if (way < 0 || way > 3 || !(radius > 0)) fail("way, radius: expected 0 to 3, meters over 0");
     if (way != 0 && robot.joints[0].kind != JointKind::planar) fail("way: the robot has no planar base, and goes straight");
     std::vector<double> rows;
     legs(robot, {static_cast<Way>(way), radius, reverse}, from.row(0), to.row(0), rows);

@@ -14,16 +14,16 @@ constexpr int64_t chunk = 16;  // discs
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
-Array<double> array_of(nb::handle value, const char* name, const Dims& wanted) {
+Array<double> array_of(nb::handle value, const char* name, const Dims& expected) {
     Array<double> a = doubles(value, name);
-    if (a.dims != wanted) fail(std::string(name) + ": shape " + to_string(a.dims) + ", wanted " + to_string(wanted));
+    if (a.dims != expected) fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i])) fail(std::string(name) + index_text(a.dims, static_cast<int64_t>(i)) + " is not finite");
     return a;
 }
 
 double positive(double x, const char* name) {
-    if (!(x > 0) || std::isinf(x)) fail(std::string(name) + ": " + number(x) + ", wanted over 0");
+    if (!(x > 0) || std::isinf(x)) fail(std::string(name) + ": " + number(x) + ", expected over 0");
     return x;
 }
 
@@ -31,23 +31,23 @@ double positive(double x, const char* name) {
 bool present(const double* row) { return row[4] >= 0; }
 Disc disc_of(const double* row) { return {row[0], row[1], row[2], row[3], row[4], row[5] != 0 ? 1.0 : 0.5}; }
 
-nb::object orca_all(nb::handle discs, nb::handle wanted, nb::handle speeds, nb::handle points, double horizon,
+nb::object orca_all(nb::handle discs, nb::handle expected, nb::handle speeds, nb::handle points, double horizon,
                     double point_horizon, double dt, double range, nb::handle threads) {
     const Array<double> d = doubles(discs, "discs");
-    if (d.dims.size() != 3 || d.dims[2] != 6) fail("discs: shape " + to_string(d.dims) + ", wanted (worlds, discs, 6)");
+    if (d.dims.size() != 3 || d.dims[2] != 6) fail("discs: shape " + to_string(d.dims) + ", expected (worlds, discs, 6)");
     const int64_t worlds = d.dims[0], n = d.dims[1];
     array_of(discs, "discs", d.dims);
-    const Array<double> w = array_of(wanted, "wanted", {worlds, n, 2}), s = array_of(speeds, "speeds", {worlds, n});
+    const Array<double> w = array_of(expected, "expected", {worlds, n, 2}), s = array_of(speeds, "speeds", {worlds, n});
     const Array<double> p = doubles(points, "points");
     if (p.dims.size() != 4 || p.dims[0] != worlds || p.dims[1] != n || p.dims[3] != 2)
-        fail("points: shape " + to_string(p.dims) + ", wanted (worlds, discs, points, 2), NaN where there is none");
+        fail("points: shape " + to_string(p.dims) + ", expected (worlds, discs, points, 2), NaN where there is none");
     const int64_t n_points = p.dims[2];
     const OrcaSettings settings{positive(horizon, "horizon"), positive(dt, "dt"), positive(range, "range")};
     const double of_points = positive(point_horizon, "point_horizon");
     const int n_threads = threads_of(threads);
     Output<double> out = make_output<double>({worlds, n, 2});
     parallel_for(worlds * n, n_threads, [&](int64_t first, int64_t last) {
-        std::vector<Neighbour> others;
+        std::vector<Neighbor> others;
         for (int64_t k = first; k < last; ++k) {
             const double* const row = d.data() + 6 * k;
             const double* const world = d.data() + 6 * n * (k / n);
@@ -69,7 +69,7 @@ nb::object orca_all(nb::handle discs, nb::handle wanted, nb::handle speeds, nb::
 }  // namespace
 
 void bind_orca(nb::module_& m) {
-    m.def("orca", &orca_all, "discs"_a.none(), "wanted"_a.none(), "speeds"_a.none(), "points"_a.none(), "horizon"_a,
+    m.def("orca", &orca_all, "discs"_a.none(), "expected"_a.none(), "speeds"_a.none(), "points"_a.none(), "horizon"_a,
           "point_horizon"_a, "dt"_a, "range"_a, "threads"_a.none(),
           "Velocities by optimal reciprocal collision avoidance.");
 }

@@ -1,4 +1,4 @@
-// Python class of a painter: bodies with their colours and the light, once; poses in, a picture out.
+// Python class of a painter: bodies with their colors and the light, once; poses in, a picture out.
 #include "bind/bind.h"
 
 #include <nanobind/stl/shared_ptr.h>
@@ -14,7 +14,7 @@ namespace {
 using namespace nb::literals;
 
 constexpr int64_t most_pixels = int64_t{1} << 26;
-constexpr double farthest = 1e12;  // metres, as of poses
+constexpr double farthest = 1e12;  // meters, as of poses
 constexpr int most_samples = 16;
 constexpr int64_t chunk = 4;  // tiles
 
@@ -23,9 +23,9 @@ constexpr int64_t chunk = 4;  // tiles
 // `n` finite vectors, one a row.
 std::vector<Vec3> vectors(nb::handle value, const char* name, int64_t n) {
     const Array<double> array = points(value, name);
-    const Dims wanted = n == 1 ? Dims{3} : Dims{n, 3};
-    if (array.dims != wanted && array.dims != Dims{n, 3})
-        fail(std::string(name) + ": shape " + to_string(array.dims) + ", wanted " + to_string(wanted));
+    const Dims expected = n == 1 ? Dims{3} : Dims{n, 3};
+    if (array.dims != expected && array.dims != Dims{n, 3})
+        fail(std::string(name) + ": shape " + to_string(array.dims) + ", expected " + to_string(expected));
     std::vector<Vec3> out;
     for (const double *v = array.data(), *end = v + 3 * n; v < end; v += 3) out.push_back({v[0], v[1], v[2]});
     return out;
@@ -33,7 +33,7 @@ std::vector<Vec3> vectors(nb::handle value, const char* name, int64_t n) {
 
 double positive(double value, const char* name) {
     if (!(value > 0 && value <= farthest))
-        fail(std::string(name) + ": " + number(value) + ", wanted more than 0, at most " + number(farthest));
+        fail(std::string(name) + ": " + number(value) + ", expected more than 0, at most " + number(farthest));
     return value;
 }
 
@@ -43,7 +43,7 @@ std::shared_ptr<const NormalMaps> maps_of(nb::handle value, const Shape& shape) 
     const Array<double> array = doubles(value, "maps");
     const int64_t faces = static_cast<int64_t>(shape.mesh.faces.size());
     if (array.dims != Dims{faces, 3, 4})
-        fail("maps: shape " + to_string(array.dims) + ", wanted " + to_string({faces, 3, 4}) + ", a matrix a face");
+        fail("maps: shape " + to_string(array.dims) + ", expected " + to_string({faces, 3, 4}) + ", a matrix a face");
     auto maps = std::make_shared<NormalMaps>(faces);
     for (int64_t i = 0; i < faces; ++i)
         for (int k = 0; k < 12; ++k) (*maps)[i][k] = static_cast<float>(array.data()[12 * i + k]);
@@ -58,17 +58,17 @@ Lighting light_of(nb::handle sun, double strength, nb::handle ambient, nb::handl
     const std::vector<Vec3> to = vectors(sun, "sun", 1), around = vectors(ambient, "ambient", 2),
                             seen = vectors(sky, "sky", 2);
     if (to[0] == Vec3{0, 0, 0}) fail("sun: a direction of length 0");
-    if (!std::isfinite(strength)) fail("strength: " + number(strength) + ", wanted a finite number");
+    if (!std::isfinite(strength)) fail("strength: " + number(strength) + ", expected a finite number");
     return {unit(to[0]), strength, around[0], around[1], seen[0], seen[1]};
 }
 
 void make_painter(Painter* self, const std::vector<std::shared_ptr<Shape>>& shapes, nb::sequence maps,
                   const std::vector<int64_t>& which, nb::handle colors, nb::handle sun, double strength,
                   nb::handle ambient, nb::handle sky) {
-    if (nb::len(maps) != shapes.size()) fail("maps: wanted one for each shape, or None");
+    if (nb::len(maps) != shapes.size()) fail("maps: expected one for each shape, or None");
     std::vector<std::shared_ptr<const NormalMaps>> read;
     for (size_t i = 0; i < shapes.size(); ++i) {
-        if (!shapes[i]) throw nb::type_error("shapes: None, wanted Shapes");
+        if (!shapes[i]) throw nb::type_error("shapes: None, expected Shapes");
         read.push_back(maps_of(maps[i], *shapes[i]));
     }
     Painter painter{{{}, light_of(sun, strength, ambient, sky)}};
@@ -85,9 +85,9 @@ void make_painter(Painter* self, const std::vector<std::shared_ptr<Shape>>& shap
 std::optional<Ground> ground_of(nb::handle value) {
     if (value.is_none()) return std::nullopt;
     const Array<double> array = doubles(value, "floor");
-    if (array.dims != Dims{6}) fail("floor: shape " + to_string(array.dims) + ", wanted (6,)");
+    if (array.dims != Dims{6}) fail("floor: shape " + to_string(array.dims) + ", expected (6,)");
     const double* f = array.data();
-    if (!(std::fabs(f[0]) <= farthest)) fail("floor: height " + number(f[0]) + ", wanted at most 1e12 m");
+    if (!(std::fabs(f[0]) <= farthest)) fail("floor: height " + number(f[0]) + ", expected at most 1e12 m");
     return Ground{f[0], positive(f[1], "floor: grid"), positive(f[2], "floor: fade"), {f[3], f[4], f[5]}};
 }
 
@@ -95,14 +95,14 @@ std::optional<Ground> ground_of(nb::handle value) {
 std::vector<Mark> marks_of(nb::handle value) {
     const Array<double> array = doubles(value, "marks");
     if (array.dims.size() != 2 || array.dims[1] != 6)
-        fail("marks: shape " + to_string(array.dims) + ", wanted (n, 6): x, y, radius, red, green, blue");
+        fail("marks: shape " + to_string(array.dims) + ", expected (n, 6): x, y, radius, red, green, blue");
     std::vector<Mark> marks;
     for (int64_t i = 0; i < array.dims[0]; ++i) {
         const double* m = array.data() + 6 * i;
         for (int k = 0; k < 6; ++k)
             if (!std::isfinite(m[k]))
-                fail("marks[" + std::to_string(i) + "] is " + number(m[k]) + ", wanted finite numbers");
-        if (!(m[2] > 0)) fail("marks[" + std::to_string(i) + "]: radius " + number(m[2]) + ", wanted more than 0");
+                fail("marks[" + std::to_string(i) + "] is " + number(m[k]) + ", expected finite numbers");
+        if (!(m[2] > 0)) fail("marks[" + std::to_string(i) + "]: radius " + number(m[2]) + ", expected more than 0");
         marks.push_back({m[0], m[1], m[2], {m[3], m[4], m[5]}});
     }
     return marks;
@@ -112,7 +112,7 @@ View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t w
     const std::vector<Vec3> rows = vectors(axes, "axes", 3);
     if (width < 1 || height < 1 || width > most_pixels || height > most_pixels || width * height > most_pixels)
         fail("width, height: " + std::to_string(width) + ", " + std::to_string(height) +
-             ", wanted 1 or more, and at most " + std::to_string(most_pixels) + " pixels");
+             ", expected 1 or more, and at most " + std::to_string(most_pixels) + " pixels");
     const Vec3 from = vectors(eye, "eye", 1)[0];
     if (!(norm(from) <= farthest)) fail("eye: over 1e12 m from the origin");
     return {from, rows[0], rows[1], rows[2], positive(pixels_per_slope, "pixels_per_slope"),
@@ -125,9 +125,9 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
     const Poses array = poses(places, "poses");
     const int64_t n = static_cast<int64_t>(self.scene.bodies.size());
     if (array.dims != Dims{n})
-        fail("poses: shape " + to_string(array.array.dims) + ", wanted " + to_string({n, 4, 4}) + ", one for each body");
+        fail("poses: shape " + to_string(array.array.dims) + ", expected " + to_string({n, 4, 4}) + ", one for each body");
     if (samples < 1 || samples > most_samples)
-        fail("samples: " + std::to_string(samples) + ", wanted 1 to " + std::to_string(most_samples));
+        fail("samples: " + std::to_string(samples) + ", expected 1 to " + std::to_string(most_samples));
     const int n_threads = threads_of(threads);
     Picture picture(self.scene, array.all(), view_of(eye, axes, pixels_per_slope, width, height), ground_of(floor),
                     marks_of(marks), {static_cast<int>(samples), contrast});

@@ -14,7 +14,7 @@ using namespace nb::literals;
 const Shape& shape_of(nb::handle value, const char* name) {
     Shape* shape = nullptr;
     if (!nb::try_cast(value, shape, false) || !shape)
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted a Shape").c_str());
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a Shape").c_str());
     return *shape;
 }
 
@@ -22,7 +22,7 @@ nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, dou
                    nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
-    metres_of(margin, "margin");
+    meters_of(margin, "margin");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) {
         const bool hit = hits(a, b, relative(ta[0], tb[0]), margin, false);
@@ -128,7 +128,7 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
                    double max_distance, nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
     const Poses t = poses(T, "T");
-    if (!(max_distance >= 0)) throw nb::value_error("max_distance: wanted metres, 0 or more");
+    if (!(max_distance >= 0)) throw nb::value_error("max_distance: expected meters, 0 or more");
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
     for (const Rigid& item : t.all()) inverses.push_back(inverse(item));
@@ -159,8 +159,8 @@ Where either shape's method is `loop`, a's cycle is tested against b's faces, as
 
 Args:
     a, b: shapes.
-    Ta, Tb: their poses (..., 4, 4), rigid, metres; leading dimensions broadcast.
-    margin: metres; over 0, what is no farther apart than this collides. Distances are exact whatever
+    Ta, Tb: their poses (..., 4, 4), rigid, meters; leading dimensions broadcast.
+    margin: meters; over 0, what is no farther apart than this collides. Distances are exact whatever
         the shapes' methods, and so is this verdict.
     threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
@@ -168,9 +168,9 @@ Returns:
     bool for single poses, else a bool array of the broadcast shape.
 
 Raises:
-    TypeError, ValueError: naming the argument, what came and what is wanted.)");
+    TypeError, ValueError: naming the argument, what came and what is expected.)");
     m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none(),
-          R"(Distance of two posed shapes in metres; 0 where they collide, containment included.
+          R"(Distance of two posed shapes in meters; 0 where they collide, containment included.
 
 Exact whatever the shapes' methods.
 

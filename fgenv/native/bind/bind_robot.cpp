@@ -13,8 +13,8 @@ namespace {
 
 using namespace nb::literals;
 
-constexpr double greatest_position = 1e12;  // metres, as of poses
-constexpr double greatest_joint = 1e5;      // radians that sin_cos takes; metres
+constexpr double greatest_position = 1e12;  // meters, as of poses
+constexpr double greatest_joint = 1e5;      // radians that sin_cos takes; meters
 constexpr size_t most_links = 1000;         // motions go from link to link by calls
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
@@ -41,20 +41,20 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
     const size_t n = kinds.size();
     if (n == 0 || place.size() != n || axis.view.size() != 3 * n || parents.size() != n || firsts.size() != n ||
         multipliers.size() != n || offsets.size() != n)
-        fail("joints: lists of different lengths, wanted one entry a joint, and a base");
-    if (n > most_links) fail("links: " + std::to_string(n) + ", wanted at most " + std::to_string(most_links));
+        fail("joints: lists of different lengths, expected one entry a joint, and a base");
+    if (n > most_links) fail("links: " + std::to_string(n) + ", expected at most " + std::to_string(most_links));
     Robot robot;
     robot.coordinates.assign(names.size(), Coordinate::linear);
     robot.most.assign(names.size(), greatest_joint);
     for (size_t i = 0; i < n; ++i) {
         Joint joint;
-        if (kinds[i] < 0 || kinds[i] > 5) fail("kinds: wanted 0 to 5");
+        if (kinds[i] < 0 || kinds[i] > 5) fail("kinds: expected 0 to 5");
         joint.kind = static_cast<JointKind>(kinds[i]);
         joint.parent = parents[i];
         joint.first = firsts[i];
         const bool base = joint.parent < 0, base_kind = joint.kind == JointKind::planar || joint.kind == JointKind::free;
         if (base != (i == 0) || joint.parent >= static_cast<int>(i) || (base_kind && !base))
-            fail("parents: wanted a base, then joints with their parents before them");
+            fail("parents: expected a base, then joints with their parents before them");
         if (joint.first < 0 || joint.first + size(joint.kind) > static_cast<int>(names.size()))
             fail("firsts: a coordinate that is not there");
         joint.origin = orthonormal(place[i]);
@@ -63,7 +63,7 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
         joint.multiplier = multipliers[i];
         joint.offset = offsets[i];
         if (!(std::fabs(joint.multiplier) <= greatest_joint && std::fabs(joint.offset) <= greatest_joint))
-            fail("multipliers, offsets: wanted numbers of at most " + number(greatest_joint));
+            fail("multipliers, offsets: expected numbers of at most " + number(greatest_joint));
         if (joint.kind == JointKind::continuous) robot.coordinates[joint.first] = Coordinate::angle;
         if (base_kind) {
             for (int k = 0; k < 3; ++k) robot.most[joint.first + k] = greatest_position;
@@ -110,7 +110,7 @@ Way way_of(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle t) {
     for (size_t i = 0; i < out.t.view.size(); ++i)
         if (!(out.t.data()[i] >= 0 && out.t.data()[i] <= 1))
             fail(std::string("t") + index_text(out.t.dims, static_cast<int64_t>(i)) + " is " + number(out.t.data()[i]) +
-                 ", wanted a fraction from 0 to 1");
+                 ", expected a fraction from 0 to 1");
     out.shape = broadcast({{"q0", out.from.dims}, {"q1", out.to.dims}, {"t", out.t.dims}});
     return out;
 }
@@ -131,7 +131,7 @@ nb::object interpolate_all(const Robot& robot, nb::handle q0, nb::handle q1, nb:
 nb::object distance_all(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle weights) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     const Array<double> w = doubles(weights, "weights");
-    if (w.dims != Dims{robot.nq()}) fail("weights: shape " + to_string(w.dims) + ", wanted (" + std::to_string(robot.nq()) + ",)");
+    if (w.dims != Dims{robot.nq()}) fail("weights: shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
     if (shape.dims.empty()) return nb::cast(distance(robot, w.data(), from.row(0), to.row(0)));
     Output<double> out = make_output<double>(shape.dims);
@@ -147,10 +147,10 @@ nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handl
     const Way way = way_of(robot, q0, q1, t);
     const int n_threads = threads_of(threads);
     if (link < 0 || link >= robot.n_links()) fail("link: no link " + std::to_string(link));
-    if (!(begin >= 0 && rate >= 0 && begin + rate <= 1)) fail("begin, rate: wanted a part of the motion");
+    if (!(begin >= 0 && rate >= 0 && begin + rate <= 1)) fail("begin, rate: expected a part of the motion");
     Poses held;
     if (!offset.is_none()) held = poses(offset, "offset");
-    if (!held.single()) fail("offset: " + to_string(held.dims) + " poses, wanted one, shape (4, 4)");
+    if (!held.single()) fail("offset: " + to_string(held.dims) + " poses, expected one, shape (4, 4)");
     const Rigid fixed = offset.is_none() ? identity() : held[0];
     const Rigid* on_link = offset.is_none() ? nullptr : &fixed;
     const Dims& dims = way.shape.dims;
@@ -180,7 +180,7 @@ nb::tuple sin_cos_all(nb::handle angles) {
     for (size_t i = 0; i < x.view.size(); ++i) {
         if (!(std::fabs(x.data()[i]) <= greatest_joint))
             fail(std::string("angles") + index_text(x.dims, static_cast<int64_t>(i)) + " is " + number(x.data()[i]) +
-                 ", wanted radians, at most " + number(greatest_joint));
+                 ", expected radians, at most " + number(greatest_joint));
         sin_cos(x.data()[i], s.data[i], c.data[i]);
     }
     return nb::make_tuple(s.array, c.array);

@@ -26,11 +26,11 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
     const Array<double> v = points(vertices, "vertices");
     const Array<int64_t> f = indices(faces, "faces");
     const auto fail = [](const std::string& text) { throw nb::value_error(text.c_str()); };
-    if (v.dims.size() != 2) fail("vertices: shape " + to_string(v.dims) + ", wanted (n, 3)");
-    if (f.dims.size() == 1 && f.dims[0] == 0) fail("faces: the mesh has no faces, wanted at least one");
+    if (v.dims.size() != 2) fail("vertices: shape " + to_string(v.dims) + ", expected (n, 3)");
+    if (f.dims.size() == 1 && f.dims[0] == 0) fail("faces: the mesh has no faces, expected at least one");
     if (f.dims.size() != 2 || f.dims[1] != 3)
-        fail("faces: shape " + to_string(f.dims) + ", wanted (m, 3), triangles");
-    if (f.dims[0] == 0) fail("faces: the mesh has no faces, wanted at least one");
+        fail("faces: shape " + to_string(f.dims) + ", expected (m, 3), triangles");
+    if (f.dims[0] == 0) fail("faces: the mesh has no faces, expected at least one");
     const int64_t n = v.dims[0];
     if (n > (int64_t{1} << 28) || f.dims[0] > (int64_t{1} << 28))
         fail("faces: more than 2^28 vertices or faces, split the mesh");
@@ -38,7 +38,7 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
     for (int64_t i = 0; i < n; ++i) points[i] = {v.data()[3 * i], v.data()[3 * i + 1], v.data()[3 * i + 2]};
     for (int64_t i = 0; i < 3 * n; ++i)
         if (std::fabs(v.data()[i]) > 1e9)
-            fail("vertices[" + std::to_string(i / 3) + "]: a coordinate over 1e9 m, wanted metres");
+            fail("vertices[" + std::to_string(i / 3) + "]: a coordinate over 1e9 m, expected meters");
     std::vector<Face> triangles(f.dims[0]);
     for (size_t i = 0; i < triangles.size(); ++i)
         for (int k = 0; k < 3; ++k) {
@@ -53,7 +53,7 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
 }
 
 void require_faces(const Mesh& mesh) {
-    if (mesh.faces.empty()) throw nb::value_error("faces: every face has zero area, wanted a surface");
+    if (mesh.faces.empty()) throw nb::value_error("faces: every face has zero area, expected a surface");
 }
 
 nb::object rows3(const std::vector<Vec3>& v) {

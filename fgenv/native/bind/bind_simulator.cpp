@@ -18,7 +18,7 @@ constexpr int64_t chunk = 4;
 std::vector<std::vector<double>> rows_of(nb::handle value, const char* name, int32_t width) {
     const Array<double> a = doubles(value, name);
     if (a.dims.size() != 2 || a.dims[1] != width)
-        fail(std::string(name) + ": shape " + to_string(a.dims) + ", wanted (n, " + std::to_string(width) + ")");
+        fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (n, " + std::to_string(width) + ")");
     std::vector<std::vector<double>> out;
     for (int64_t i = 0; i < a.dims[0]; ++i) out.emplace_back(a.data() + i * width, a.data() + (i + 1) * width);
     return out;
@@ -41,21 +41,21 @@ Agent make_agent(const World& like, BodyId id, const std::string& drive, double 
     Agent agent;
     agent.id = id;
     const Body& body = like.body(id);
-    if (!body.robot) fail("robots: '" + body.name + "' is a body, wanted a robot");
+    if (!body.robot) fail("robots: '" + body.name + "' is a body, expected a robot");
     const int32_t nq = body.robot->nq();
     agent.drive.base = drive_of(drive);
     agent.drive.wheelbase = wheelbase;
     for (const std::vector<double>& row : rows_of(limits, "limits", 3)) agent.drive.limits.push_back({row[0], row[1], row[2]});
     const auto vector = [&](nb::handle value, const char* name, int64_t n) {
         const Array<double> a = doubles(value, name);
-        if (a.dims != Dims{n}) fail(std::string(name) + ": shape " + to_string(a.dims) + ", wanted (" + std::to_string(n) + ",)");
+        if (a.dims != Dims{n}) fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
         return std::vector<double>(a.data(), a.data() + n);
     };
     agent.drive.lower = vector(lower, "lower", nq);
     agent.drive.upper = vector(upper, "upper", nq);
     agent.starts = rows_of(starts, "starts", nq);
     agent.goals = rows_of(goals, "goals", nq);
-    if (agent.starts.empty() || agent.starts.size() != agent.goals.size()) fail("starts, goals: wanted one a case each");
+    if (agent.starts.empty() || agent.starts.size() != agent.goals.size()) fail("starts, goals: expected one a case each");
     agent.position_tolerance = tolerance.first;
     agent.angle_tolerance = tolerance.second;
     agent.radius = radius;
@@ -87,10 +87,10 @@ SimulatorSettings settings_of(const nb::dict& d) {
     get("configuration", s.senses.configuration);
     get("path_hint", s.senses.path_hint);
     get("lidar", s.senses.lidar);
-    get("neighbours", s.senses.neighbours);
+    get("neighbors", s.senses.neighbors);
     get("intent", s.senses.intent);
     get("priority", s.senses.priority);
-    get("neighbour_range", s.senses.neighbour_range);
+    get("neighbor_range", s.senses.neighbor_range);
     get("look_ahead", s.senses.look_ahead);
     get("progress", s.weights.progress);
     get("arrival", s.weights.arrival);
@@ -113,7 +113,7 @@ std::vector<int32_t> worlds_of(const Simulator& sim, nb::handle value) {
     for (size_t k = 0; k < a.view.size(); ++k) {
         const int64_t e = a.data()[k];
         if (e < 0 || e >= sim.n_worlds())
-            fail("worlds: " + std::to_string(e) + ", wanted 0 to " + std::to_string(sim.n_worlds() - 1));
+            fail("worlds: " + std::to_string(e) + ", expected 0 to " + std::to_string(sim.n_worlds() - 1));
         if (std::find(out.begin(), out.end(), e) != out.end()) fail("worlds: " + std::to_string(e) + " is there twice");
         out.push_back(static_cast<int32_t>(e));
     }
@@ -134,7 +134,7 @@ nb::object reset(Simulator& sim, nb::handle worlds, nb::handle seeds, nb::handle
     if (!seeds.is_none()) {
         const Array<int64_t> a = indices(seeds, "seeds");
         if (a.dims != Dims{static_cast<int64_t>(which.size())})
-            fail("seeds: shape " + to_string(a.dims) + ", wanted one a world");
+            fail("seeds: shape " + to_string(a.dims) + ", expected one a world");
         seed.assign(a.data(), a.data() + which.size());
     }
     for_worlds(static_cast<int64_t>(which.size()), threads_of(threads),
@@ -153,11 +153,11 @@ nb::object observe(const Simulator& sim, nb::handle worlds, nb::handle threads) 
 
 nb::tuple step(Simulator& sim, nb::handle actions, nb::handle threads) {
     const Array<double> a = doubles(actions, "actions");
-    const Dims wanted{sim.n_worlds(), sim.n_agents(), sim.action_size()};
-    if (a.dims != wanted) fail("actions: shape " + to_string(a.dims) + ", wanted " + to_string(wanted) + ", (worlds, robots, action)");
+    const Dims expected{sim.n_worlds(), sim.n_agents(), sim.action_size()};
+    if (a.dims != expected) fail("actions: shape " + to_string(a.dims) + ", expected " + to_string(expected) + ", (worlds, robots, action)");
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail("actions" + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) + ", wanted a number in [-1, 1]");
+            fail("actions" + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) + ", expected a number in [-1, 1]");
     Output<float> rows = make_output<float>(per_robot(sim), {sim.observation_size()});
     Output<double> reward = make_output<double>(per_robot(sim));
     Output<bool> there = make_output<bool>(per_robot(sim));
@@ -222,14 +222,14 @@ struct Chosen {
 };
 
 Chosen chosen(const Simulator& sim, int32_t e, int32_t i) {
-    if (e < 0 || e >= sim.n_worlds()) fail("world: " + std::to_string(e) + ", wanted 0 to " + std::to_string(sim.n_worlds() - 1));
-    if (i < 0 || i >= sim.n_agents()) fail("robot: " + std::to_string(i) + ", wanted 0 to " + std::to_string(sim.n_agents() - 1));
+    if (e < 0 || e >= sim.n_worlds()) fail("world: " + std::to_string(e) + ", expected 0 to " + std::to_string(sim.n_worlds() - 1));
+    if (i < 0 || i >= sim.n_agents()) fail("robot: " + std::to_string(i) + ", expected 0 to " + std::to_string(sim.n_agents() - 1));
     return {e, i};
 }
 
 std::vector<double> configuration_of(const Simulator& sim, int32_t i, nb::handle value, const char* name) {
     const Configurations c = configurations(*sim.agent(i).robot, value, name);
-    if (!c.dims.empty()) fail(std::string(name) + ": " + to_string(c.dims) + " configurations, wanted one, shape (nq,)");
+    if (!c.dims.empty()) fail(std::string(name) + ": " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
     return {c.row(0), c.row(0) + c.nq};
 }
 
@@ -242,7 +242,7 @@ void set_path(Simulator& sim, int32_t e, int32_t i, nb::handle path) {
     const Chosen at = chosen(sim, e, i);
     const Configurations c = configurations(*sim.agent(i).robot, path, "path");
     if (c.dims.size() != 1 || c.dims[0] == 0)
-        fail("path: " + to_string(c.dims) + " way points, wanted (K, nq) with K at least 1");
+        fail("path: " + to_string(c.dims) + " way points, expected (K, nq) with K at least 1");
     Way way;
     for (int64_t k = 0; k < c.dims[0]; ++k) way.emplace_back(c.row(k), c.row(k) + c.nq);
     sim.set_path(at.e, at.i, std::move(way));
@@ -252,8 +252,8 @@ void set_path(Simulator& sim, int32_t e, int32_t i, nb::handle path) {
 nb::object actions_toward(const Simulator& sim, nb::handle targets) {
     const Array<double> t = doubles(targets, "targets");
     const int64_t nq = most_coordinates(sim), n = sim.n_agents(), width = most_actions(sim);
-    const Dims wanted{sim.n_worlds(), n, nq};
-    if (t.dims != wanted) fail("targets: shape " + to_string(t.dims) + ", wanted " + to_string(wanted));
+    const Dims expected{sim.n_worlds(), n, nq};
+    if (t.dims != expected) fail("targets: shape " + to_string(t.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < t.view.size(); ++i)
         if (!(std::fabs(t.data()[i]) <= 1e5)) fail("targets" + index_text(t.dims, static_cast<int64_t>(i)) + " is " + number(t.data()[i]));
     Output<double> out = make_output<double>(per_robot(sim), {width});
@@ -299,7 +299,7 @@ void bind_simulator(nb::module_& m) {
                     for (size_t b = 0; b < stands.size(); ++b) cases.back().push_back(p[k * stands.size() + b]);
                 }
             }
-            if (agents.empty() || worlds < 1) fail("robots, worlds: wanted one at least");
+            if (agents.empty() || worlds < 1) fail("robots, worlds: expected one at least");
             new (self) Simulator(like, agents, settings_of(settings), worlds, stands, std::move(cases));
         }, "world"_a, "agents"_a, "settings"_a, "worlds"_a, "stands"_a, "poses"_a.none())
         .def("action_sizes", [](const Simulator& s) {
@@ -347,7 +347,7 @@ void bind_simulator(nb::module_& m) {
         .def("least_clearances", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.least_clearance; }); })
         .def("collisions", [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.collisions; }); })
         .def("arrivals", [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.arrived; }); })
-        .def("travelled", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.travelled; }); })
+        .def("traveled", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.traveled; }); })
         .def("rewards", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.reward; }); })
         .def("steps", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return e.steps; }); })
         .def("numbers", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return e.number; }); })

@@ -11,9 +11,9 @@ using namespace nb::literals;
 std::vector<std::string> names_of(nb::handle value, const char* name) {
     if (nb::isinstance<nb::str>(value)) return {nb::cast<std::string>(value)};
     std::vector<std::string> out;
-    if (!nb::hasattr(value, "__iter__")) throw nb::type_error((std::string(name) + ": wanted a name or names").c_str());
+    if (!nb::hasattr(value, "__iter__")) throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
     for (nb::handle item : value) {
-        if (!nb::isinstance<nb::str>(item)) throw nb::type_error((std::string(name) + ": wanted a name or names").c_str());
+        if (!nb::isinstance<nb::str>(item)) throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
         out.push_back(nb::cast<std::string>(item));
     }
     return out;
@@ -31,7 +31,7 @@ BodyId add_robot(World& w, const Robot& robot, nb::handle q, const nb::list& par
                  const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
                  const std::string& like, nb::handle groups) {
     const Configurations c = configurations(robot, q, "q");
-    if (!c.dims.empty()) fail("q: " + to_string(c.dims) + " configurations, wanted one, shape (nq,)");
+    if (!c.dims.empty()) fail("q: " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
     std::vector<RobotPart> bodies;
     for (nb::handle p : parts)
         bodies.push_back({nb::cast<std::string>(p[0]), nb::cast<int32_t>(p[1]), nb::cast<std::shared_ptr<Shape>>(p[2]),
@@ -56,7 +56,7 @@ void set_configuration(World& w, nb::handle robot, nb::handle q) {
     const Model model = model_of(w, a);
     if (!model) fail("robot: '" + a.text() + "' is a body; set_pose places it");
     const Places p = places(model, q, "q");
-    if (!p.single()) fail("q: " + to_string(p.dims()) + " configurations, wanted one, shape (nq,)");
+    if (!p.single()) fail("q: " + to_string(p.dims()) + " configurations, expected one, shape (nq,)");
     const auto lock = writing(w);
     w.set_configuration(mover_of(w, a, model), p[0].q);
 }
@@ -82,9 +82,9 @@ void set_pose(World& w, nb::handle ids, nb::handle poses_) {
     const auto lock = writing(w);
     const std::vector<BodyId> bodies = all.ids(w, "ids");
     for (BodyId id : bodies) root_of(w, id, "ids");
-    const Dims wanted = all.one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
-    const Broadcast shape = broadcast({{"ids", wanted}, {"poses", p.dims}});
-    if (shape.dims != wanted) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(wanted));
+    const Dims expected = all.one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
+    const Broadcast shape = broadcast({{"ids", expected}, {"poses", p.dims}});
+    if (shape.dims != expected) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(expected));
     std::vector<Rigid> each;
     for (size_t i = 0; i < bodies.size(); ++i) each.push_back(p[shape.offset(1, static_cast<int64_t>(i))]);
     w.set_poses(bodies, each);
@@ -112,7 +112,7 @@ nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
     const Model model = model_of(w, a);
     const Places p = places(model, poses_, "poses");
     if (p.dims().size() != 1 || p.dims()[0] == 0)
-        fail("poses: " + to_string(p.dims()) + " way points, wanted (K" + p.row() + " with K at least 1");
+        fail("poses: " + to_string(p.dims()) + " way points, expected (K" + p.row() + " with K at least 1");
     const auto lock = writing(w);
     return id_array(w.set_path(mover_of(w, a, model), p.all()));
 }
@@ -145,7 +145,7 @@ Masks masks_of(const std::string& name) {
     if (name == "path") return Masks::path;
     if (name == "published") return Masks::published;
     if (name == "off") return Masks::off;
-    fail("masks: '" + name + "' is unknown, wanted path, published or off");
+    fail("masks: '" + name + "' is unknown, expected path, published or off");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ Asked asked(nb::handle value, const char* name) {
     const nb::object index = nb::steal(PyBool_Check(value.ptr()) ? nullptr : PyNumber_Index(value.ptr()));
     if (!index.is_valid()) {
         PyErr_Clear();
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted a body's id or name").c_str());
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a body's id or name").c_str());
     }
     int overflow = 0;
     const long long id = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
@@ -53,7 +53,7 @@ AskedBodies asked_bodies(nb::handle value, const char* name) {
         return asked_bodies(nb::object(value.attr("tolist")()), name);
     if (nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr())) return {{asked(value, name)}, true};
     if (!nb::hasattr(value, "__iter__"))
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", wanted ids or names of bodies").c_str());
+        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected ids or names of bodies").c_str());
     AskedBodies out{{}, false};
     for (nb::handle item : value) out.items.push_back(asked(item, name));
     return out;
@@ -61,7 +61,7 @@ AskedBodies asked_bodies(nb::handle value, const char* name) {
 
 Rigid pose_of(nb::handle value, const char* name) {
     const Poses p = poses(value, name);
-    if (!p.single()) fail(std::string(name) + ": " + to_string(p.dims) + " poses, wanted one, shape (4, 4)");
+    if (!p.single()) fail(std::string(name) + ": " + to_string(p.dims) + " poses, expected one, shape (4, 4)");
     return p[0];
 }
 
@@ -105,7 +105,7 @@ BodyId mover_of(const World& w, const Asked& asked, const Model& model, const ch
 Array<double> times_of(nb::handle value, const char* name) {
     Array<double> t = doubles(value, name);
     for (size_t i = 0; i < t.view.size(); ++i)
-        if (!std::isfinite(t.data()[i])) fail(std::string(name) + ": not finite, wanted seconds");
+        if (!std::isfinite(t.data()[i])) fail(std::string(name) + ": not finite, expected seconds");
     return t;
 }
 
@@ -114,7 +114,7 @@ Trajectory trajectory_of(const Model& model, nb::handle times, nb::handle poses)
     const Array<double> at = times_of(times, "times");
     const Places p = places(model, poses, "poses");
     if (at.dims.size() != 1 || at.dims[0] < 1 || p.dims() != at.dims)
-        fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims()) + ": wanted (k,) and (k" + p.row() +
+        fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims()) + ": expected (k,) and (k" + p.row() +
              ", k at least 1");
     t.times.assign(at.data(), at.data() + at.dims[0]);
     for (size_t i = 1; i < t.times.size(); ++i)

@@ -33,7 +33,7 @@ nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::han
     const Asked a = asked(robot, "robot");
     const Model model = model_of(w, a);
     const Posed p = posed(model, poses_, times);
-    metres_of(margin, "margin");
+    meters_of(margin, "margin");
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId id = mover_of(w, a, model);
@@ -67,26 +67,26 @@ nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::ha
 double resolution_of(nb::handle mode, nb::handle value) {
     std::string text;
     if (!nb::try_cast(mode, text) || (text != "continuous" && text != "discrete"))
-        fail(std::string("mode: ") + nb::repr(mode).c_str() + " is unknown, wanted continuous or discrete");
-    if ((text == "discrete") == value.is_none()) fail("resolution: wanted metres with mode='discrete', and only then");
-    double metres = 0;
-    if (!value.is_none() && (!nb::try_cast(value, metres) || !(metres > 0) || std::isinf(metres)))
-        fail(std::string("resolution: ") + nb::repr(value).c_str() + ", wanted metres, over 0");
-    return metres;
+        fail(std::string("mode: ") + nb::repr(mode).c_str() + " is unknown, expected continuous or discrete");
+    if ((text == "discrete") == value.is_none()) fail("resolution: expected meters with mode='discrete', and only then");
+    double meters = 0;
+    if (!value.is_none() && (!nb::try_cast(value, meters) || !(meters > 0) || std::isinf(meters)))
+        fail(std::string("resolution: ") + nb::repr(value).c_str() + ", expected meters, over 0");
+    return meters;
 }
 
 MotionSettings settings_of(double margin, double tolerance, double resolution, bool first, nb::handle t0,
                            nb::handle t1) {
     MotionSettings s;
-    s.certify.margin = metres_of(margin, "margin");
-    s.certify.tolerance = metres_of(tolerance, "tolerance");
-    if (!(tolerance > 0)) fail("tolerance: wanted metres, over 0");
+    s.certify.margin = meters_of(margin, "margin");
+    s.certify.tolerance = meters_of(tolerance, "tolerance");
+    if (!(tolerance > 0)) fail("tolerance: expected meters, over 0");
     s.resolution = resolution;
     s.certify.first = first;
-    if (t0.is_none() != t1.is_none()) fail("t0, t1: wanted both (seconds), or neither");
+    if (t0.is_none() != t1.is_none()) fail("t0, t1: expected both (seconds), or neither");
     if (!t0.is_none() && (!nb::try_cast(t0, s.from) || !nb::try_cast(t1, s.to) || !std::isfinite(s.from) ||
                           !std::isfinite(s.to) || s.to < s.from))
-        fail("t0, t1: wanted finite seconds, t1 not before t0");
+        fail("t0, t1: expected finite seconds, t1 not before t0");
     return s;
 }
 
@@ -147,7 +147,7 @@ nb::object meet(const World& w, nb::handle a, nb::handle A0, nb::handle A1, nb::
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId one = mover_of(w, first, model_a, "a"), other = mover_of(w, second, model_b, "b");
-    if (one == other) fail("a, b: the same robot, wanted two");
+    if (one == other) fail("a, b: the same robot, expected two");
     const auto ask = [&](int64_t i) {
         return w.meet(one, from_a[shape.offset(0, i)], to_a[shape.offset(1, i)], other, from_b[shape.offset(2, i)],
                       to_b[shape.offset(3, i)], s);
@@ -169,7 +169,7 @@ std::vector<Model> models_of(const World& w, const AskedBodies& all, const char*
         const Model &first = out[0], &last = out.back();
         if (!first != !last || (first && (first->coordinates != last->coordinates || first->most != last->most)))
             fail(std::string(name) + ": '" + a.text() + "' has other coordinates than '" + all.items[0].text() +
-                 "', wanted bodies alone, or robots of one kind");
+                 "', expected bodies alone, or robots of one kind");
     }
     return out;
 }
@@ -202,10 +202,10 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle T0, nb::ha
     const MotionSettings s = settings_of(margin, tolerance, 0, true, t0, t1);
     const auto lock = reading(w);
     const std::vector<BodyId> ids = all.ids(w, "robots");
-    const Dims wanted{static_cast<int64_t>(ids.size())};
-    const Broadcast shape = broadcast({{"robots", wanted}, {"T0", from.dims()}, {"T1", to.dims()}});
-    if (all.one || shape.dims != wanted)
-        fail(std::string("robots, T0, T1: wanted (n,), ") + (model ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
+    const Dims expected{static_cast<int64_t>(ids.size())};
+    const Broadcast shape = broadcast({{"robots", expected}, {"T0", from.dims()}, {"T1", to.dims()}});
+    if (all.one || shape.dims != expected)
+        fail(std::string("robots, T0, T1: expected (n,), ") + (model ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
     refuse_twice(ids);
     std::vector<Place> begin, end;
     for (size_t i = 0; i < ids.size(); ++i) {
@@ -227,13 +227,13 @@ nb::tuple advance(World& w, nb::handle robots, nb::handle to, double margin, dou
     for (size_t i = 0; i < all.items.size(); ++i) ids.push_back(mover_of(w, all.items[i], models[i], "robots"));
     refuse_twice(ids);
     if (all.one || ends.dims() != Dims{static_cast<int64_t>(ids.size())})
-        fail(std::string("robots, to: wanted (n,) and (n") + ends.row());
+        fail(std::string("robots, to: expected (n,) and (n") + ends.row());
     const std::vector<Place> there = ends.all();
     return outcomes_of([&] { return w.advance(ids, there, s); });
 }
 
 nb::object contacts(const World& w, double margin, nb::handle threads) {
-    metres_of(margin, "margin");
+    meters_of(margin, "margin");
     const int n = threads_of(threads);
     const auto lock = reading(w);
     std::vector<std::pair<BodyId, BodyId>> pairs;
@@ -254,7 +254,7 @@ nb::object contacts(const World& w, double margin, nb::handle threads) {
 nb::object raycast(const World& w, nb::handle origins, nb::handle directions, double max_distance, nb::handle ignored,
                    nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
-    if (!(max_distance >= 0)) fail("max_distance: wanted metres, 0 or more");
+    if (!(max_distance >= 0)) fail("max_distance: expected meters, 0 or more");
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}});
     const int n = threads_of(threads);
     Output<double> distance = make_output<double>(shape.dims);

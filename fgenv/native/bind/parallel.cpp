@@ -33,7 +33,7 @@ int thread_count(int threads) {
         const long n = std::strtol(text, &end, 10);
         if (*end || n < 1 || n > 4096)
             throw nb::value_error(
-                ("FGENV_THREADS=" + std::string(text) + ": wanted a number of threads, 1 to 4096").c_str());
+                ("FGENV_THREADS=" + std::string(text) + ": expected a number of threads, 1 to 4096").c_str());
         return static_cast<int>(n);
     }
     static const unsigned cores = std::thread::hardware_concurrency();  // reads a file each time

@@ -135,7 +135,7 @@ private:
         for (const Piece& p : a.pieces)
             for (const Piece& q : b.pieces) {
                 const double until = lesser(hi, contact_.free_until);
-                const double gap = norm(apply(at_b, q.centre) - apply(at_a, p.centre)) - askew * (p.radius + q.radius) - settings_.margin;
+                const double gap = norm(apply(at_b, q.center) - apply(at_a, p.center)) - askew * (p.radius + q.radius) - settings_.margin;
                 if (gap <= speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
                     parted = lesser(parted, part(hull_of(a, p.begin, p.end), hull_of(b, q.begin, q.end), lo, until, max_planes));
             }

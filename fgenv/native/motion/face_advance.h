@@ -74,7 +74,7 @@ private:
         for (int k = 0; k < 3; ++k) {
             at_a[k] = dot(n, xa_[k]) + settings_.margin + slack_;
             at_b[k] = dot(n, xb_[k]);
-            of_a[k] = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - centre_a_));
+            of_a[k] = dot(n, now_.va.v + cross(now_.va.w, xa_[k] - center_a_));
             of_b[k] = dot(n, now_.vb.v + cross(now_.vb.w, xb_[k]));
         }
         double longest = HUGE_VAL;
@@ -89,9 +89,9 @@ private:
 
     void place(double t) {
         now_ = instant(a_, b_, t);
-        centre_a_ = origin(now_.a) - origin(now_.b);
+        center_a_ = origin(now_.a) - origin(now_.b);
         for (int k = 0; k < 3; ++k) {
-            xa_[k] = centre_a_ + rotate(now_.a, fa_[k]);
+            xa_[k] = center_a_ + rotate(now_.a, fa_[k]);
             xb_[k] = rotate(now_.b, fb_[k]);
         }
         slack_ = rounding_slack(now_, radius_a_ + radius_b_);
@@ -101,7 +101,7 @@ private:
     const CertifySettings& settings_;
     Corners fa_, fb_, xa_, xb_;
     double radius_a_ = 0, radius_b_ = 0, acceleration_ = 0, slack_ = 0;
-    Vec3 centre_a_{0, 0, 0};
+    Vec3 center_a_{0, 0, 0};
     Instant now_;
 };
 

@@ -34,7 +34,7 @@ struct View {
 };
 
 struct Drift {
-    float u[3];  // displacement of the box's centre in half the time
+    float u[3];  // displacement of the box's center in half the time
     float e;     // what any point of the box may stray from that
 };
 
@@ -80,7 +80,7 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const Vie
     const Side& own = view.own;
     F8 c[3];
     for (int k = 0; k < 3; ++k) {
-        c[k] = load(n.centre[k]);
+        c[k] = load(n.center[k]);
         d[k] = c[k] - splat(box.c[k]);
         h[k] = load(n.half[k]);
         c[k] = c[k] - splat(own.origin[k]);
@@ -106,7 +106,7 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const Vie
         meet &= abs(d[0] * x + d[1] * y + d[2] * z) <= reach + abs(u[0] * x + u[1] * y + u[2] * z);
     }
     if (!bits(meet)) return 0;
-    // What passes by is held off across its way: along the centres' offset, less what of it is along u.
+    // What passes by is held off across its way: along the centers' offset, less what of it is along u.
     {
         F8 w[3];
         across(d, u, w);
@@ -142,12 +142,12 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const Vie
     return bits(meet);
 }
 
-// Displacements of the corners of eight faces, less what the other leaf's centre does.
-FGENV_INLINE void corner_drifts(const FacesF& f, const Side& s, const float centre[3], const float less[3],
+// Displacements of the corners of eight faces, less what the other leaf's center does.
+FGENV_INLINE void corner_drifts(const FacesF& f, const Side& s, const float center[3], const float less[3],
                                 F8 (&u)[3][3]) {
     for (int k = 0; k < 3; ++k) {
         F8 c[3];
-        for (int i = 0; i < 3; ++i) c[i] = f.v[k][i] + splat(centre[i] - s.origin[i]);
+        for (int i = 0; i < 3; ++i) c[i] = f.v[k][i] + splat(center[i] - s.origin[i]);
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, l = (i + 2) % 3;
             u[k][i] = splat(s.v[i] - less[i]) + (splat(s.w[j]) * c[l] - splat(s.w[l]) * c[j]);
@@ -184,8 +184,8 @@ void near_faces(const Sweep& sweep, const View& view, const Leaf& la, const Leaf
     FacesF a, b;
     float shift[3];
     // As load_leaves, without fused products.
-    const Vec3 at = apply(sweep.pose, {lb.centre[0], lb.centre[1], lb.centre[2]}) -
-                    Vec3{la.centre[0], la.centre[1], la.centre[2]};
+    const Vec3 at = apply(sweep.pose, {lb.center[0], lb.center[1], lb.center[2]}) -
+                    Vec3{la.center[0], la.center[1], la.center[2]};
     shift[0] = static_cast<float>(at.x);
     shift[1] = static_cast<float>(at.y);
     shift[2] = static_cast<float>(at.z);
@@ -200,15 +200,15 @@ void near_faces(const Sweep& sweep, const View& view, const Leaf& la, const Leaf
                                      std::fabs(shift[2]));
     const float radius_a = length_bound(la.half[0], la.half[1], la.half[2]);
     const float radius_b = length_bound(lb.half[0], lb.half[1], lb.half[2]);
-    const float far[3] = {la.centre[0] + shift[0], la.centre[1] + shift[1], la.centre[2] + shift[2]};
-    const Drift of_a = drift(view.own, la.centre[0], la.centre[1], la.centre[2], radius_a);
+    const float far[3] = {la.center[0] + shift[0], la.center[1] + shift[1], la.center[2] + shift[2]};
+    const Drift of_a = drift(view.own, la.center[0], la.center[1], la.center[2], radius_a);
     const Drift of_b = drift(view.other, far[0], far[1], far[2], radius_b);
     // Here every corner has its own displacement: what is left is the acceleration and rounding.
     const float pad = (of_a.e - view.own.turn * radius_a) + (of_b.e - view.other.turn * radius_b) + view.pad +
                       2 * local.slack + 2 * float_share * (view.own.turn * radius_a + view.other.turn * radius_b);
     F8 ua[3][3], ub[3][3];
-    corner_drifts(a, view.own, la.centre, of_b.u, ua);
-    corner_drifts(b, view.other, la.centre, of_b.u, ub);
+    corner_drifts(a, view.own, la.center, of_b.u, ua);
+    corner_drifts(b, view.other, la.center, of_b.u, ub);
     find_swept_boxes(a, ua, pad);
     find_swept_boxes(b, ub, 0);
     bool normals = false;

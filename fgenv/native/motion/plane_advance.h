@@ -42,7 +42,7 @@ public:
         return as_before;
     }
 
-    // Metres that they are apart then, at least.
+    // Meters that they are apart then, at least.
     double apart() const { return apart_; }
 
 private:

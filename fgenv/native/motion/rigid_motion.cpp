@@ -67,8 +67,8 @@ Box posed_box(const Shape& shape, const Rigid& pose) {
     const Box& upright = shape.mesh.bounds;
     const Vec3 middle = 0.5 * (upright.lo + upright.hi), half = upright.hi - middle;
     const OrientedBox& fitted = shape.tree.boxes[0];
-    const Vec3 centre = apply(pose, middle),
-               c = apply(pose, {fitted.centre[0], fitted.centre[1], fitted.centre[2]});
+    const Vec3 center = apply(pose, middle),
+               c = apply(pose, {fitted.center[0], fitted.center[1], fitted.center[2]});
     double lo[3], hi[3];
     for (int i = 0; i < 3; ++i) {
         const double* row = pose.r[i];
@@ -79,8 +79,8 @@ Box posed_box(const Shape& shape, const Rigid& pose) {
                                                       row[2] * fitted.axis[k][2]);
         fitted_half *= 1 + 1e-6;  // its axes are floats
         const double slack = rounding * (std::fabs(pose.t[i]) + shape.radius);
-        lo[i] = greater(coordinate(centre, i) - upright_half, coordinate(c, i) - fitted_half) - slack;
-        hi[i] = lesser(coordinate(centre, i) + upright_half, coordinate(c, i) + fitted_half) + slack;
+        lo[i] = greater(coordinate(center, i) - upright_half, coordinate(c, i) - fitted_half) - slack;
+        hi[i] = lesser(coordinate(center, i) + upright_half, coordinate(c, i) + fitted_half) + slack;
     }
     return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
 }

@@ -34,7 +34,7 @@ Line half_plane(const Disc& self, const Disc& other, double horizon, double dt) 
     const double squared = dot(p, p), r = self.radius + other.radius;
     V along, u;
     if (squared > r * r) {
-        const V w = v - (1 / horizon) * p;  // from the centre of the cone's round end
+        const V w = v - (1 / horizon) * p;  // from the center of the cone's round end
         const double ahead = dot(w, p);
         if (ahead < 0 && ahead * ahead > r * r * dot(w, w)) {
             const V n = unit(w);
@@ -57,8 +57,8 @@ Line half_plane(const Disc& self, const Disc& other, double horizon, double dt) 
 }
 
 // The point of line i, within the disc of `most` and allowed by the lines before it, that is nearest to
-// `wanted`, or farthest in its direction; false if there is none.
-bool on_line(const std::vector<Line>& lines, size_t i, double most, V wanted, bool direction, V& found) {
+// `expected`, or farthest in its direction; false if there is none.
+bool on_line(const std::vector<Line>& lines, size_t i, double most, V expected, bool direction, V& found) {
     const Line& line = lines[i];
     const double middle = dot(line.point, line.along), inside = middle * middle + most * most - dot(line.point, line.point);
     if (inside < 0) return false;
@@ -73,23 +73,23 @@ bool on_line(const std::vector<Line>& lines, size_t i, double most, V wanted, bo
         sine >= 0 ? right = std::min(right, t) : left = std::max(left, t);
         if (left > right) return false;
     }
-    double t = dot(line.along, wanted - line.point);
-    if (direction) t = dot(wanted, line.along) > 0 ? right : left;
+    double t = dot(line.along, expected - line.point);
+    if (direction) t = dot(expected, line.along) > 0 ? right : left;
     found = line.point + std::clamp(t, left, right) * line.along;
     return true;
 }
 
 // Line by line (M. de Berg and others, "Computational Geometry", chapter 4); the number of the first line
 // that cannot be kept, or of all. In the order of the lines: no shuffling, the same on every machine.
-size_t in_plane(const std::vector<Line>& lines, double most, V wanted, bool direction, V& found) {
+size_t in_plane(const std::vector<Line>& lines, double most, V expected, bool direction, V& found) {
     if (direction)
-        found = most * wanted;
+        found = most * expected;
     else
-        found = dot(wanted, wanted) > most * most ? most * unit(wanted) : wanted;
+        found = dot(expected, expected) > most * most ? most * unit(expected) : expected;
     for (size_t i = 0; i < lines.size(); ++i) {
         if (cross(lines[i].along, lines[i].point - found) <= 0) continue;
         const V before = found;
-        if (!on_line(lines, i, most, wanted, direction, found)) {
+        if (!on_line(lines, i, most, expected, direction, found)) {
             found = before;
             return i;
         }
@@ -123,7 +123,7 @@ void least_trespass(const std::vector<Line>& lines, size_t begin, double most, V
 
 }  // namespace
 
-void orca(const Disc& self, const std::vector<Neighbour>& others, double wanted_x, double wanted_y, double speed,
+void orca(const Disc& self, const std::vector<Neighbor>& others, double wanted_x, double wanted_y, double speed,
           const OrcaSettings& settings, double& vx, double& vy) {
     std::vector<Line> lines;
     for (const auto& [other, horizon] : others) {

@@ -8,14 +8,14 @@
 namespace fgenv {
 
 struct Disc {
-    double x, y;    // metres
+    double x, y;    // meters
     double vx, vy;  // m/s
     double radius;
     double share;  // of the avoiding that falls to whoever asks: 1/2, or 1 where this one rests
 };
 
 // Another one, and for how many seconds ahead the two shall not meet.
-struct Neighbour {
+struct Neighbor {
     Disc disc;
     double horizon;
 };
@@ -23,12 +23,12 @@ struct Neighbour {
 struct OrcaSettings {
     double horizon;  // of discs
     double dt;       // seconds of a step, in which discs that overlap shall part
-    double range;    // metres between centres: who is farther away is not looked at
+    double range;    // meters between centers: who is farther away is not looked at
 };
 
 // Velocity of `self` that is nearest to what it wants, at most `speed`, and allowed by all others; where none
 // is, the one whose worst trespass is least.
-void orca(const Disc& self, const std::vector<Neighbour>& others, double wanted_x, double wanted_y, double speed,
+void orca(const Disc& self, const std::vector<Neighbor>& others, double wanted_x, double wanted_y, double speed,
           const OrcaSettings& settings, double& vx, double& vy);
 
 }  // namespace fgenv

@@ -23,7 +23,7 @@ FGENV_INLINE F4 turned(const F4 (&columns)[3], const float v[3], F4 to) {
 
 FGENV_INLINE PlacedBox placed(const OrientedBox& box, const PairFrame& f) {
     PlacedBox out;
-    out.c = turned(f.columns, box.centre, f.shift);
+    out.c = turned(f.columns, box.center, f.shift);
     for (int i = 0; i < 3; ++i) {
         out.axis[i] = turned(f.columns, box.axis[i], F4{});
         out.h[i] = box.half[i];
@@ -41,16 +41,16 @@ FGENV_INLINE void load_axes(const Oriented& n, F8 (&axis)[3][3]) {
 }
 
 // Which of the eight meet `box`: the normals of both boxes' faces, then the products of their edges.
-// `centres`: squared distances of the centres, for the order of the search.
-FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float slack, F8& centres) {
+// `centers`: squared distances of the centers, for the order of the search.
+FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float slack, F8& centers) {
     F8 d[3], h[3], r[3][3], abs_r[3][3], along_n[3];
     for (int k = 0; k < 3; ++k) {
-        d[k] = load(n.centre[k]) - splat(box.c[k]);
+        d[k] = load(n.center[k]) - splat(box.c[k]);
         h[k] = load(n.half[k]);
     }
     F8 axis[3][3];
     load_axes(n, axis);
-    centres = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    centers = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     I8 meet = I8{} == 0;
     for (int j = 0; j < 3; ++j) {
         const F8 x = splat(box.axis[j][0]), y = splat(box.axis[j][1]), z = splat(box.axis[j][2]);

@@ -24,8 +24,8 @@ struct Choice {
 };
 
 Choice choose() {
-    const char* wanted = std::getenv("FGENV_ISA");
-    const std::string name = wanted ? wanted : "";
+    const char* expected = std::getenv("FGENV_ISA");
+    const std::string name = expected ? expected : "";
 #if defined(__x86_64__)
     const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                         __builtin_cpu_supports("bmi2");

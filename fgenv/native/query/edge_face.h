@@ -68,7 +68,7 @@ static inline bool coplanar_meet(Vec3 p, Vec3 q, const Vec3 f[3]) {
         return in_triangle_2d(t, turn, p2) || segments_meet_2d(p2, q2, t[0], t[1]) ||
                segments_meet_2d(p2, q2, t[1], t[2]) || segments_meet_2d(p2, q2, t[2], t[0]);
     }
-    return false;  // placing it flattened the face to a line: its neighbours' faces hold that line
+    return false;  // placing it flattened the face to a line: its neighbors' faces hold that line
 }
 
 // Segment pq against face f, given on which sides of the face's plane p and q lie.

@@ -9,7 +9,7 @@ namespace fgenv {
 // Eight faces with what the culling tests need of them.
 struct FacesF {
     F8 v[3][3];  // vertex, axis
-    F8 n[3];     // normal, not normalised
+    F8 n[3];     // normal, not normalized
     F8 lo[3], hi[3];
     F8 scale;    // sum of the lengths of two sides (1-norm)
 };
@@ -43,15 +43,15 @@ FGENV_INLINE void load_faces(const Leaf& leaf, const float r[3][3], const float 
     }
 }
 
-// Both leaves of a pair in a's frame, moved to the centre of a's leaf; b's centre ends up at `shift`.
+// Both leaves of a pair in a's frame, moved to the center of a's leaf; b's center ends up at `shift`.
 FGENV_INLINE Local load_leaves(const Leaf& la, const Leaf& lb, const Rigid& pose, const PairFrame& frame,
                                FacesF& a, FacesF& b, float shift[3]) {
-    // The centres are subtracted in double.
-    const Vec3 centre = apply(pose, {lb.centre[0], lb.centre[1], lb.centre[2]}) -
-                        Vec3{la.centre[0], la.centre[1], la.centre[2]};
-    shift[0] = static_cast<float>(centre.x);
-    shift[1] = static_cast<float>(centre.y);
-    shift[2] = static_cast<float>(centre.z);
+    // The centers are subtracted in double.
+    const Vec3 center = apply(pose, {lb.center[0], lb.center[1], lb.center[2]}) -
+                        Vec3{la.center[0], la.center[1], la.center[2]};
+    shift[0] = static_cast<float>(center.x);
+    shift[1] = static_cast<float>(center.y);
+    shift[2] = static_cast<float>(center.z);
     load_faces(la, a);
     load_faces(lb, frame.r, shift, b);
     return local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) +
@@ -89,12 +89,12 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], 
     among &= bits(meet);
     if (!among) return 0;
     find_normals(f);
-    F8 at_centre = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
+    F8 at_center = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
     for (int i = 0; i < 3; ++i) {
-        at_centre = fused(f.n[i], splat(0.5f * (lo[i] + hi[i])) - f.v[0][i], at_centre);
+        at_center = fused(f.n[i], splat(0.5f * (lo[i] + hi[i])) - f.v[0][i], at_center);
         radius = fused(abs(f.n[i]), splat(0.5f * (hi[i] - lo[i]) + local.slack), radius);
     }
-    return among & bits(abs(at_centre) <= radius);
+    return among & bits(abs(at_center) <= radius);
 }
 
 // The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
@@ -123,13 +123,13 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, con
         if (!(among &= bits(meet))) return 0;
     }
     find_normals(f);
-    F8 at_centre = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
+    F8 at_center = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
     for (int i = 0; i < 3; ++i) {
         const F8 along_axis = fused(f.n[2], splat(box.axis[i][2]), fused(f.n[1], splat(box.axis[i][1]), f.n[0] * splat(box.axis[i][0])));
-        at_centre = fused(f.n[i], splat(box.c[i]) - f.v[0][i], at_centre);
+        at_center = fused(f.n[i], splat(box.c[i]) - f.v[0][i], at_center);
         radius = fused(abs(f.n[i]), splat(slack), fused(abs(along_axis), splat(box.h[i]), radius));
     }
-    return among & bits(abs(at_centre) <= radius);
+    return among & bits(abs(at_center) <= radius);
 }
 
 // The box around some of eight faces.

@@ -11,10 +11,10 @@ namespace {
 
 // By the spheres around the boxes. In double: squares of the smallest bodies are no floats.
 bool far_apart(const OrientedBox& a, const OrientedBox& b, const PairFrame& b_in_a) {
-    const F4 centre = turned(b_in_a.columns, b.centre, b_in_a.shift);
+    const F4 center = turned(b_in_a.columns, b.center, b_in_a.shift);
     double squared = 0, of_a = 0, of_b = 0;
     for (int i = 0; i < 3; ++i) {
-        const double d = double(centre[i]) - a.centre[i];
+        const double d = double(center[i]) - a.center[i];
         squared += d * d;
         of_a += double(a.half[i]) * a.half[i];
         of_b += double(b.half[i]) * b.half[i];
@@ -32,7 +32,7 @@ bool surfaces_meet(const Query& q) {
     const Tree &ta = q.a.tree, &tb = q.b.tree;
     const OrientedBox *boxes_a = ta.boxes.data(), *boxes_b = tb.boxes.data();
     const PairFrame &b_in_a = q.frames.b_in_a, &a_in_b = q.frames.a_in_b;
-    F8 centres;
+    F8 centers;
     stack[top++] = {0, 0};
     while (top) {
         const Pair pair = stack[--top];
@@ -45,15 +45,15 @@ bool surfaces_meet(const Query& q) {
         if (ca < 0 && size(a) > size(b) && !reaches(ta.leaves[~ca], placed(b, b_in_a), b_in_a.slack)) continue;
         if (cb < 0 && size(b) > size(a) && !reaches(tb.leaves[~cb], placed(a, a_in_b), a_in_b.slack)) continue;
         const bool split_a = cb < 0 || (ca >= 0 && size(a) >= size(b));
-        uint32_t m = split_a ? meeting(ta.oriented[ca], placed(b, b_in_a), b_in_a.slack, centres)
-                             : meeting(tb.oriented[cb], placed(a, a_in_b), a_in_b.slack, centres);
+        uint32_t m = split_a ? meeting(ta.oriented[ca], placed(b, b_in_a), b_in_a.slack, centers)
+                             : meeting(tb.oriented[cb], placed(a, a_in_b), a_in_b.slack, centers);
         // The nearest comes first off the stack: that is where a hit is likeliest.
         for (float nearest = HUGE_VALF; m; m &= m - 1) {
             const int k = __builtin_ctz(m);
             stack[top] = split_a ? Pair{static_cast<Ref>(lanes * ca + k), pair.b}
                                  : Pair{pair.a, static_cast<Ref>(lanes * cb + k)};
             __builtin_prefetch(split_a ? &boxes_a[stack[top].a] : &boxes_b[stack[top].b]);
-            if (centres[k] < nearest) nearest = centres[k];
+            if (centers[k] < nearest) nearest = centers[k];
             else {
                 const Pair last = stack[top];
                 stack[top] = stack[top - 1];

@@ -84,14 +84,14 @@ void nearest_points(const Corners& a, const Corners& b, Nearest& out) {
 
 // Squared lower bounds on the distance of `box` to a node's eight: in the frame of either box, the gaps
 // to the upright box around the other; and the gap along `towards`, a unit vector from the node to the
-// box. `order`: the distance of the centres breaks ties between boxes
+// box. `order`: the distance of the centers breaks ties between boxes
 // that overlap.
 FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const float towards[3], float slack,
                              F8& order) {
     F8 d[3], h[3], axis[3][3], abs_r[3][3], here = F8{}, there = F8{};
     load_axes(n, axis);
     for (int k = 0; k < 3; ++k) {
-        d[k] = load(n.centre[k]) - splat(box.c[k]);
+        d[k] = load(n.center[k]) - splat(box.c[k]);
         h[k] = load(n.half[k]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -364,8 +364,8 @@ Vec3 near_vertex(const Shape& s, Vec3 p) {
         const Node& n = s.tree.nodes[child];
         F8 key = F8{};
         for (int i = 0; i < 3; ++i) {
-            const F8 d = abs(load(n.centre[i]) - splat(at[i])), gap = max(d - load(n.half[i]), F8{});
-            key += gap * gap + splat(1e-2f) * d * d;  // the centres', where p is within several
+            const F8 d = abs(load(n.center[i]) - splat(at[i])), gap = max(d - load(n.half[i]), F8{});
+            key += gap * gap + splat(1e-2f) * d * d;  // the centers', where p is within several
         }
         child = n.child[least(load(n.half[0]) >= F8{} ? key : splat(HUGE_VALF))];
     }
@@ -375,7 +375,7 @@ Vec3 near_vertex(const Shape& s, Vec3 p) {
     for (int k = 0; k < 3; ++k) {
         F8 squared = F8{};
         for (int i = 0; i < 3; ++i) {
-            const F8 d = load(leaf.v[k][i]) - splat(at[i] - leaf.centre[i]);
+            const F8 d = load(leaf.v[k][i]) - splat(at[i] - leaf.center[i]);
             squared += d * d;
         }
         corner = squared < best ? I8{} + k : corner;

@@ -16,7 +16,7 @@ FGENV_INLINE uint32_t passed(const Node& n, const double o[3], const double inv[
     F8 near = splat(0.0f), far = splat(static_cast<float>(reach) * 1.000001f);
     for (int i = 0; i < 3; ++i) {
         const F8 h = load(n.half[i]);
-        const F8 c = load(n.centre[i]);
+        const F8 c = load(n.center[i]);
         const F8 origin = splat(static_cast<float>(o[i]));
         const F8 slack = (abs(c) + abs(origin) + abs(h)) * splat(0x1p-21f);
         const F8 wide = h + slack;
@@ -95,8 +95,8 @@ FGENV_INLINE uint32_t near_box(const Leaf& leaf, const double lo[3], const doubl
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
         const F8 a = load(leaf.v[0][i]), b = load(leaf.v[1][i]), c = load(leaf.v[2][i]);
-        meet &= (min(min(a, b), c) <= splat(above(hi[i] - leaf.centre[i]))) &
-                (max(max(a, b), c) >= splat(below(lo[i] - leaf.centre[i])));
+        meet &= (min(min(a, b), c) <= splat(above(hi[i] - leaf.center[i]))) &
+                (max(max(a, b), c) >= splat(below(lo[i] - leaf.center[i])));
     }
     return leaf.valid & bits(meet);
 }
@@ -106,7 +106,7 @@ FGENV_INLINE uint32_t near_ray(const Leaf& leaf, const Ray& ray) {
     F8 p[3][3], size = F8{};
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < 3; ++i) {
-            const F8 o = splat(static_cast<float>(ray.o[i] - leaf.centre[i]));
+            const F8 o = splat(static_cast<float>(ray.o[i] - leaf.center[i]));
             p[k][i] = load(leaf.v[k][i]) - o;
             size = max(size, abs(load(leaf.v[k][i])) + abs(o));
         }
@@ -264,7 +264,7 @@ int winding(const Shape& s, Vec3 p, bool& touching) {
         const Node& n = s.tree.nodes[child];
         I8 meet = I8{} == 0;
         for (int i = 0; i < 3; ++i) {
-            const F8 c = load(n.centre[i]), h = load(n.half[i]) * splat(1.000001f);
+            const F8 c = load(n.center[i]), h = load(n.half[i]) * splat(1.000001f);
             const F8 slack = abs(c) * splat(0x1p-22f);
             meet &= (c - h - slack <= splat(above(hi[i]))) & (c + h + slack >= splat(below(lo[i])));
         }

@@ -37,7 +37,7 @@ struct Sweep {
     };
     Rigid pose;  // of b
     Side a, b;
-    double margin;  // metres: nearer than this is met
+    double margin;  // meters: nearer than this is met
     int budget;     // pairs of boxes to open at most; then as if there were too many pairs of faces
 };
 
@@ -52,7 +52,7 @@ struct Moment {
     Vec3 va, wa, vb, wb;
     double acceleration_a[2], acceleration_b[2];  // at the origin, and what a unit of distance adds
     double before, after;
-    double margin, slack;  // metres
+    double margin, slack;  // meters
 };
 
 // Poses are b's in a's frame.
@@ -81,7 +81,7 @@ struct Kernels {
 const Kernels& kernels();        // the table in use
 const char* kernels_name();      // "v3", "baseline"
 
-// Whether two bodies collide or are nearer than `margin` (metres), which only the exact graphs tell.
+// Whether two bodies collide or are nearer than `margin` (meters), which only the exact graphs tell.
 static inline bool hits(const Shape& a, const Shape& b, const Rigid& b_in_a, double margin, bool lossless) {
     return kernels().collide(a, b, b_in_a, lossless || margin > 0, nullptr) ||
            (margin > 0 && kernels().nearest(a, b, b_in_a, margin * margin, true).face_a >= 0);

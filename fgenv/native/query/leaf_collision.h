@@ -47,7 +47,7 @@ FGENV_INLINE uint32_t reaching(const Leaf& leaf, PlacedBox box, float slack, Fac
     load_faces(leaf, faces);
     float extent = 0;
     for (int i = 0; i < 3; ++i) {
-        box.c[i] -= leaf.centre[i];
+        box.c[i] -= leaf.center[i];
         extent += std::fabs(box.c[i]) + 2 * box.h[i];
     }
     const bool larger = size(leaf) > box.h[0] + box.h[1] + box.h[2];

@@ -2,7 +2,7 @@
 // conservative; and the test of one box against a node's eight.
 //
 // Slack: with coordinates up to M, a separating axis test sums errors of at most 47 units of 2^-24 M from
-// rounding centres, axes and extents (71 for a product of axes, which gets twice the slack); a rotation
+// rounding centers, axes and extents (71 for a product of axes, which gets twice the slack); a rotation
 // off orthonormal by `skew` adds at most 4 skew M. What the slack lets through costs a test, never a
 // verdict.
 #pragma once
@@ -15,7 +15,7 @@ namespace fgenv {
 struct PairFrame {
     F4 columns[3], shift;    // of the rotation; the translation
     float r[3][3], t[3];
-    float slack;             // metres, on a coordinate
+    float slack;             // meters, on a coordinate
 };
 
 struct BoxF {
@@ -66,7 +66,7 @@ static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid
 static inline BoxF box_of(const Tree& tree, Ref ref) {
     const Node& n = tree.nodes[ref / lanes];
     const int k = ref % lanes;
-    return {{n.centre[0][k], n.centre[1][k], n.centre[2][k]}, {n.half[0][k], n.half[1][k], n.half[2][k]}};
+    return {{n.center[0][k], n.center[1][k], n.center[2][k]}, {n.half[0][k], n.half[1][k], n.half[2][k]}};
 }
 
 static inline BoxF placed(const BoxF& box, const PairFrame& f) {

@@ -3,7 +3,7 @@
 namespace fgenv {
 namespace {
 
-constexpr double behind = 1e-9;  // metres ahead: less is behind the eye
+constexpr double behind = 1e-9;  // meters ahead: less is behind the eye
 
 }  // namespace
 

@@ -8,7 +8,7 @@ namespace fgenv {
 
 struct View {
     Vec3 eye, right, down, ahead;  // unit vectors
-    double pixels_per_slope;       // pixels that a metre takes up at a metre ahead
+    double pixels_per_slope;       // pixels that a meter takes up at a meter ahead
     int width, height;
 };
 
@@ -31,7 +31,7 @@ struct Placed {
     Rigid pose, back;
     Vec3 eye, sun, sun_inverse;  // in the body's frame
     PixelBox box;
-    double nearest;  // depth ahead, metres: none of it is nearer
+    double nearest;  // depth ahead, meters: none of it is nearer
     Box shade;       // in the sun's frame
 };
 
@@ -67,7 +67,7 @@ static inline bool passes(const Box& box, Vec3 o, Vec3 inverse, double reach) {
 }
 
 struct Sight {
-    double distance = HUGE_VAL;  // metres
+    double distance = HUGE_VAL;  // meters
     int32_t body = -1, face = -1;  // the first: in the order of the list
 };
 

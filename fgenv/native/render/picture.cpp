@@ -51,7 +51,7 @@ void Picture::aim(Bundle& bundle, const PixelBox& box) const {
         if (overlap(mark_boxes_[i], bundle.box)) bundle.marks.push_back(static_cast<int32_t>(i));
 }
 
-// add(pixel, owner, colour) for each ray of the bundle, which is then empty.
+// add(pixel, owner, color) for each ray of the bundle, which is then empty.
 template <class Add>
 void Picture::trace(Bundle& bundle, const Add& add) const {
     for (int i = 0; i < bundle.n; ++i) see(bundle, bundle.ray[i], bundle.seen[i]);
@@ -76,7 +76,7 @@ void Picture::look(int64_t first, int64_t last) {
     }
 }
 
-// Whether two neighbours differ. Not by the floor's lines and marks: those are smooth as they are; and on
+// Whether two neighbors differ. Not by the floor's lines and marks: those are smooth as they are; and on
 // one body by more, as round surfaces do.
 bool Picture::differ(const Pixel& a, const Pixel& b) const {
     const bool same = a.owner == b.owner;
@@ -87,7 +87,7 @@ bool Picture::differ(const Pixel& a, const Pixel& b) const {
     return false;
 }
 
-// The sides on which a pixel's neighbour differs from it.
+// The sides on which a pixel's neighbor differs from it.
 unsigned Picture::edges(int x, int y) const {
     const Pixel* here = &pixels_[static_cast<size_t>(y) * view_.width + x];
     return (x > 0 && differ(*here, here[-1]) ? left : 0) | (x + 1 < view_.width && differ(*here, here[1]) ? right : 0) |
@@ -95,8 +95,8 @@ unsigned Picture::edges(int x, int y) const {
            (y + 1 < view_.height && differ(*here, here[view_.width]) ? below : 0);
 }
 
-// Rays for the pixel `at` of the bundle's tile, to be added to its sum; what lies toward a neighbour that
-// does not differ has the pixel's own colour.
+// Rays for the pixel `at` of the bundle's tile, to be added to its sum; what lies toward a neighbor that
+// does not differ has the pixel's own color.
 template <class Add>
 void Picture::refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const {
     const Pixel& own = pixels_[static_cast<size_t>(y) * view_.width + x];

@@ -16,7 +16,7 @@ using NormalMaps = std::vector<std::array<float, 12>>;
 struct PaintedBody {
     std::shared_ptr<const Shape> shape;
     std::shared_ptr<const NormalMaps> maps;  // null: flat faces
-    Vec3 color;                              // linear, as all colours here
+    Vec3 color;                              // linear, as all colors here
 };
 
 struct Lighting {
@@ -27,13 +27,13 @@ struct Lighting {
 };
 
 struct Ground {
-    double height, grid, fade;  // metres
+    double height, grid, fade;  // meters
     Vec3 color;
 };
 
 // A ring on the floor around a pale disc.
 struct Mark {
-    double x, y, radius;  // metres
+    double x, y, radius;  // meters
     Vec3 color;
 };
 
@@ -44,7 +44,7 @@ struct Scene {
 
 struct Antialiasing {
     int samples;      // squared: as fine is a pixel at an edge; 1: no finer
-    double contrast;  // of linear colour between neighbours: more is an edge
+    double contrast;  // of linear color between neighbors: more is an edge
 };
 
 // One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread.

@@ -65,7 +65,7 @@ void Picture::see_ground(const Bundle& bundle, double distance, double slant, Ve
     out.owner = sunny_ground;
 }
 
-// The floor's colour with its grid and marks, seen by pixels of a width (metres) across the ray; slant is
+// The floor's color with its grid and marks, seen by pixels of a width (meters) across the ray; slant is
 // 1 / ray.z.
 Vec3 Picture::ground_albedo(const Bundle& bundle, Vec3 point, Vec3 ray, double slant, double width) const {
     const double half = 0.01 * ground_.grid;  // of a line's width

@@ -14,10 +14,10 @@ namespace fgenv {
 //     p'' accelerates by A x l + w x (w x l) + 2 w x r a more than p'',
 // and so does, with r = 0, any p' = p + l that is fixed in the link. A base moves at constant v and w.
 //
-// |w| is at most the sum of all |r|, but neighbours do better. Keep w as u + r a, where a is the last
+// |w| is at most the sum of all |r|, but neighbors do better. Keep w as u + r a, where a is the last
 // axis, r its rate and |u| <= `before`. The angle between a and the next axis a' never changes, since both
 // are fixed in the link between them; so |w x a'| <= before + |r| |a x a'| and |w'| <= before + |r a + r' a'|.
-// Parallel neighbours add up, with their signs, to one; and what is near the axis of a turn is hardly
+// Parallel neighbors add up, with their signs, to one; and what is near the axis of a turn is hardly
 // accelerated by it: |w x l| <= before |l| + |r| |a x l|.
 class ChainBound {
 public:

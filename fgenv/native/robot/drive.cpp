@@ -6,7 +6,7 @@ namespace fgenv {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double there = 0.02;     // metres: so near to its position a base only turns
+constexpr double there = 0.02;     // meters: so near to its position a base only turns
 constexpr double off_course = 0.6;  // radians: farther off, a differential drive turns on the spot
 
 double clamped(double x, double low, double high) { return lesser(greater(x, low), high); }
@@ -107,8 +107,8 @@ void limited(const Drive& drive, const double* asked, const double* before, doub
     for (int32_t i = 0; i < drive.n_actions(); ++i) {
         const ActionLimit& limit = drive.limits[i];
         const double middle = 0.5 * (limit.low + limit.high), half = 0.5 * (limit.high - limit.low);
-        const double wanted = middle + half * clamped(asked[i], -1, 1);
-        action[i] = clamped(wanted, before[i] - limit.rate * dt, before[i] + limit.rate * dt);
+        const double expected = middle + half * clamped(asked[i], -1, 1);
+        action[i] = clamped(expected, before[i] - limit.rate * dt, before[i] + limit.rate * dt);
     }
 }
 

@@ -17,7 +17,7 @@ struct ActionLimit {
 // A base's drive, then joints at a velocity each.
 struct Drive {
     DriveKind base = DriveKind::none;
-    double wheelbase = 1;              // of a car, metres
+    double wheelbase = 1;              // of a car, meters
     std::vector<ActionLimit> limits;   // the base's actions, then the joints'
     std::vector<double> lower, upper;  // of configurations, (nq)
 

@@ -1,5 +1,5 @@
 // Everything that moves is a kinematic tree: a base joint, then joints from link to link. Plain data and
-// free functions; metres, radians.
+// free functions; meters, radians.
 #pragma once
 
 #include <string>
@@ -60,7 +60,7 @@ void forward(const Robot& robot, const double* q, Rigid* links);
 // The configuration at fraction t of the way from q0 to q1, as OMPL's RealVector, SO2 and SO3 spaces.
 void interpolate(const Robot& robot, const double* q0, const double* q1, double t, double* out);
 
-// Metres that no point exceeds on that way: changes times weights (nq), a base's position and orientation
+// Meters that no point exceeds on that way: changes times weights (nq), a base's position and orientation
 // taken as wholes.
 double distance(const Robot& robot, const double* weights, const double* q0, const double* q1);
 

@@ -6,7 +6,7 @@ namespace fgenv {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double same_place = 1e-9;  // metres
+constexpr double same_place = 1e-9;  // meters
 constexpr double chord = 0.1;        // radians
 
 struct Spot {

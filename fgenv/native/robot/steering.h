@@ -11,7 +11,7 @@ enum class Way : uint8_t { straight, turn_drive_turn, dubins, reeds_shepp };
 
 struct Steering {
     Way way = Way::straight;
-    double radius = 1;  // of a car's smallest circle, metres
+    double radius = 1;  // of a car's smallest circle, meters
     bool reverse = true;
 };
 

@@ -16,7 +16,7 @@ namespace {
 // Radians. Rounding must not decide on regular solids, whose angles tie with the threshold.
 constexpr double angle_tie = 1e-9;
 
-// Sign of the fold: > 0 along a valley (the neighbour rises above the face), 0 if exactly coplanar.
+// Sign of the fold: > 0 along a valley (the neighbor rises above the face), 0 if exactly coplanar.
 int fold(const Mesh& mesh, const Edge& e) {
     const Face& f = mesh.faces[e.face[0]];
     const int32_t far = opposite_vertex(mesh.faces[e.face[1]], e);

@@ -11,7 +11,7 @@ enum class Kind : uint8_t { valley, ridge, border, patch, chord };
 struct GraphSettings {
     Method method = Method::exact;
     double valley = 0, ridge = 0;  // radians: thresholds on the dihedral angle (loop, crease)
-    double tolerance = 0;          // metres (tolerance)
+    double tolerance = 0;          // meters (tolerance)
 };
 
 struct FeatureGraph {
@@ -21,7 +21,7 @@ struct FeatureGraph {
     std::vector<Kind> kinds;                      // per edge
     std::vector<uint8_t> kept;                    // per edge of the mesh: it is in the graph
     std::vector<uint8_t> lossless;                // per edge of the mesh: it is in the exact graph
-    double certificate = 0;                       // metres; infinite: no bound; NaN: none claimed
+    double certificate = 0;                       // meters; infinite: no bound; NaN: none claimed
 };
 
 FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings);

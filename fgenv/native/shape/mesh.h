@@ -21,7 +21,7 @@ struct Repairs {
     int64_t unused_vertices = 0;
     int64_t degenerate_faces = 0;  // zero area, or a vertex twice
     int64_t duplicate_faces = 0;   // same vertices, same turn
-    int64_t flipped_faces = 0;     // wound against their neighbours
+    int64_t flipped_faces = 0;     // wound against their neighbors
 };
 
 struct Mesh {
@@ -39,7 +39,7 @@ struct Mesh {
 // Indices must be in range and coordinates finite.
 Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces);
 
-// Not normalised; length is twice the area.
+// Not normalized; length is twice the area.
 static inline Vec3 area_vector(const Mesh& mesh, int32_t face) {
     const Face& f = mesh.faces[face];
     const Vec3 o = mesh.vertices[f[0]];

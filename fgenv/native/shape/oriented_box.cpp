@@ -132,11 +132,11 @@ OrientedBox fit_box(const std::vector<Vec3>& corners, const Box& upright) {
     OrientedBox box{};
     const Vec3 c = 0.5 * (e.lo[0] + e.hi[0]) * axes[0] + 0.5 * (e.lo[1] + e.hi[1]) * axes[1] +
                    0.5 * (e.lo[2] + e.hi[2]) * axes[2];
-    // Rounding moves the centre by u |c| and turns the axes by u: both widen the box.
+    // Rounding moves the center by u |c| and turns the axes by u: both widen the box.
     const double reach = std::fabs(c.x) + std::fabs(c.y) + std::fabs(c.z) + (e.hi[0] - e.lo[0]) +
                          (e.hi[1] - e.lo[1]) + (e.hi[2] - e.lo[2]);
     for (int i = 0; i < 3; ++i) {
-        box.centre[i] = static_cast<float>(coordinate(c, i));
+        box.center[i] = static_cast<float>(coordinate(c, i));
         box.half[i] = static_cast<float>(0.5 * (e.hi[i] - e.lo[i]) + 4 * 0x1p-24 * reach);
         for (int k = 0; k < 3; ++k) box.axis[i][k] = static_cast<float>(coordinate(axes[i], k));
     }

@@ -8,13 +8,13 @@ namespace fgenv {
 namespace {
 
 // Halves at multiples of eight, eight times eight and so on, along the widest axis, until eight are
-// left: neighbours in space become neighbours in order.
+// left: neighbors in space become neighbors in order.
 void order(const std::vector<Box>& boxes, std::vector<int32_t>& items, size_t first, size_t count) {
     if (count <= 8) return;
-    Box centres = empty_box();
+    Box centers = empty_box();
     for (size_t i = first; i < first + count; ++i)
-        grow(centres, 0.5 * (boxes[items[i]].lo + boxes[items[i]].hi));
-    const Vec3 width = centres.hi - centres.lo;
+        grow(centers, 0.5 * (boxes[items[i]].lo + boxes[items[i]].hi));
+    const Vec3 width = centers.hi - centers.lo;
     const int axis = width.x >= width.y && width.x >= width.z ? 0 : width.y >= width.z ? 1 : 2;
     size_t unit = 8;
     while (8 * unit < count) unit *= 8;

@@ -68,7 +68,7 @@ bool interiors_overlap(const Triangle2& s, const Triangle2& t, double slack) {
 
 double rounding_slack(const Mesh& mesh) { return 1e-12 * norm(mesh.bounds.hi - mesh.bounds.lo); }
 
-std::vector<std::array<int32_t, 3>> face_neighbours(const Mesh& mesh,
+std::vector<std::array<int32_t, 3>> face_neighbors(const Mesh& mesh,
                                                     const std::vector<uint8_t>* kept) {
     std::vector<std::array<int32_t, 3>> next(mesh.faces.size(), {-1, -1, -1});
     for (size_t i = 0; i < mesh.edges.size(); ++i) {
@@ -106,7 +106,7 @@ bool projects_one_to_one(std::vector<Triangle2>& t, double slack) {
 }  // namespace
 
 std::vector<int32_t> grow_patches(const Mesh& mesh, double tolerance) {
-    const auto next = face_neighbours(mesh, nullptr);
+    const auto next = face_neighbors(mesh, nullptr);
     const double slack = rounding_slack(mesh);
     std::vector<int32_t> patch(mesh.faces.size(), -1);
     std::vector<int32_t> front;

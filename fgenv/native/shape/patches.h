@@ -7,7 +7,7 @@
 
 namespace fgenv {
 
-// Patch of each face, slabs no thicker than `tolerance` metres.
+// Patch of each face, slabs no thicker than `tolerance` meters.
 std::vector<int32_t> grow_patches(const Mesh& mesh, double tolerance);
 
 // The thickest slab of the patches that the kept edges cut the mesh into; infinite where one of

@@ -80,7 +80,7 @@ Piece piece_of(const Mesh& mesh, const std::vector<int32_t>& corners, size_t beg
     for (size_t i = begin; i < end; ++i) grow(box, mesh.vertices[corners[i]]);
     Piece piece{0.5 * (box.lo + box.hi), 0, static_cast<int32_t>(begin), static_cast<int32_t>(end)};
     for (size_t i = begin; i < end; ++i)
-        piece.radius = greater(piece.radius, norm(mesh.vertices[corners[i]] - piece.centre));
+        piece.radius = greater(piece.radius, norm(mesh.vertices[corners[i]] - piece.center));
     return piece;
 }
 
@@ -107,7 +107,7 @@ void find_pieces(Shape& shape, const Mesh& mesh) {
 std::array<Vec3, 8> corners_of(const OrientedBox& box) {
     std::array<Vec3, 8> out;
     for (int k = 0; k < 8; ++k) {
-        Vec3 p{box.centre[0], box.centre[1], box.centre[2]};
+        Vec3 p{box.center[0], box.center[1], box.center[2]};
         for (int i = 0; i < 3; ++i) {
             const double by = (k >> i & 1 ? 1 : -1) * box.half[i] * (1 + 1e-6);
             p = p + by * Vec3{box.axis[i][0], box.axis[i][1], box.axis[i][2]};

@@ -14,7 +14,7 @@ using Part = std::array<Vec3, 6>;
 
 // A shell's corners, [begin, end) of `Shape::corners`, and a ball around them.
 struct Piece {
-    Vec3 centre;
+    Vec3 center;
     double radius;
     int32_t begin, end;
 };
@@ -29,7 +29,7 @@ struct Shape {
     std::vector<int32_t> corners;  // vertices, shell by shell; empty where there are very many
     std::vector<Piece> pieces;     // one a shell, where a plane may part what none parts as a whole
     std::array<Vec3, 8> box;       // corners of an oriented box around it
-    double radius = 0;         // of the farthest vertex from the origin of the shape's frame, metres
+    double radius = 0;         // of the farthest vertex from the origin of the shape's frame, meters
     double reach = 0;          // the largest coordinate, up to its sign
     double smallest_part = 0;  // a part is at least this long
     double largest_solid = 0;  // a closed shell is at most this long

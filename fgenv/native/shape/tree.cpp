@@ -27,7 +27,7 @@ struct Range {
 
 // A face as a split sees it: its box in the frame of the range's fitted box.
 struct Item {
-    float lo[3], hi[3], centre[3];
+    float lo[3], hi[3], center[3];
     int32_t face;
 };
 
@@ -57,7 +57,7 @@ Split sweep(Item* items, int32_t count) {
     double right_area[sweep_limit];
     const auto sort_along = [&](int axis) {
         std::sort(items, items + count, [axis](const Item& a, const Item& b) {
-            return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.face < b.face;
+            return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.face < b.face;
         });
     };
     for (int axis = 0; axis < 3; ++axis) {
@@ -81,19 +81,19 @@ Split sweep(Item* items, int32_t count) {
 
 // The same at the borders of bins; the faces are parted accordingly.
 Split split_at_bins(Item* items, int32_t count) {
-    Bounds centres;
-    for (int32_t i = 0; i < count; ++i) centres.add(items[i].centre, items[i].centre);
+    Bounds centers;
+    for (int32_t i = 0; i < count; ++i) centers.add(items[i].center, items[i].center);
     float scale[3];
     struct Bin {
         Bounds bounds;
         int32_t count = 0;
     } bin[3][bins];
     for (int axis = 0; axis < 3; ++axis) {
-        const float width = centres.hi[axis] - centres.lo[axis];
+        const float width = centers.hi[axis] - centers.lo[axis];
         scale[axis] = width > 1e-30f ? bins * 0.9999f / width : 0;
     }
     const auto bin_of = [&](const Item& item, int axis) {
-        return static_cast<int>((item.centre[axis] - centres.lo[axis]) * scale[axis]);
+        return static_cast<int>((item.center[axis] - centers.lo[axis]) * scale[axis]);
     };
     for (int32_t i = 0; i < count; ++i)
         for (int axis = 0; axis < 3; ++axis) {
@@ -134,13 +134,13 @@ public:
         for (size_t f = 0; f < items_.size(); ++f) items_[f].face = static_cast<int32_t>(f);
         // A kept edge is tested with either of its faces: the first pair of faces that meet decides.
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
-            const int wanted = graph.kept[i] | graph.lossless[i] << 3;
+            const int expected = graph.kept[i] | graph.lossless[i] << 3;
             const Edge& e = mesh.edges[i];
             for (int32_t face : e.face) {
-                if (!wanted || face < 0) continue;
+                if (!expected || face < 0) continue;
                 const Face& f = mesh.faces[face];
                 const int k = f[0] != e.a && f[0] != e.b ? 1 : f[1] != e.a && f[1] != e.b ? 2 : 0;
-                edge_bits_[face] |= static_cast<uint8_t>(wanted << k);
+                edge_bits_[face] |= static_cast<uint8_t>(expected << k);
             }
         }
     }
@@ -177,14 +177,14 @@ private:
         return static_cast<int32_t>(tree_.nodes.size() - 1);
     }
 
-    static float centre_of(const Box& box, int axis) {
+    static float center_of(const Box& box, int axis) {
         return static_cast<float>(0.5 * (coordinate(box.lo, axis) + coordinate(box.hi, axis)));
     }
 
     static float half_of(const Box& box, int axis) {
-        const float centre = centre_of(box, axis);
+        const float center = center_of(box, axis);
         const double half =
-            std::max(coordinate(box.hi, axis) - centre, centre - coordinate(box.lo, axis));
+            std::max(coordinate(box.hi, axis) - center, center - coordinate(box.lo, axis));
         return std::nextafterf(static_cast<float>(half), std::numeric_limits<float>::infinity());
     }
 
@@ -196,9 +196,9 @@ private:
         box.child = child;
         Oriented& o = tree_.oriented[node];
         for (int i = 0; i < 3; ++i) {
-            n.centre[i][lane] = centre_of(range.upright, i);
+            n.center[i][lane] = center_of(range.upright, i);
             n.half[i][lane] = half_of(range.upright, i);
-            o.centre[i][lane] = box.centre[i];
+            o.center[i][lane] = box.center[i];
             o.half[i][lane] = box.half[i];
             for (int k = 0; k < 3 && i < 2; ++k) o.axis[i][k][lane] = box.axis[i][k];
         }
@@ -217,7 +217,7 @@ private:
                 const float c = static_cast<float>(dot(along, mesh_.vertices[f[2]]));
                 item.lo[k] = std::min({a, b, c});
                 item.hi[k] = std::max({a, b, c});
-                item.centre[k] = 0.5f * (item.lo[k] + item.hi[k]);
+                item.center[k] = 0.5f * (item.lo[k] + item.hi[k]);
             }
         }
     }
@@ -309,7 +309,7 @@ private:
         Leaf leaf{};
         leaf.valid = (1u << range.count) - 1;
         for (int axis = 0; axis < 3; ++axis) {
-            leaf.centre[axis] = centre_of(range.upright, axis);
+            leaf.center[axis] = center_of(range.upright, axis);
             leaf.half[axis] = half_of(range.upright, axis);
         }
         for (int lane = 0; lane < lanes; ++lane) {  // spare lanes repeat the last face
@@ -321,7 +321,7 @@ private:
                 leaf.vertex[k][lane] = mesh_.faces[f][k];
                 for (int axis = 0; axis < 3; ++axis)
                     leaf.v[k][axis][lane] = static_cast<float>(
-                        coordinate(mesh_.vertices[mesh_.faces[f][k]], axis) - leaf.centre[axis]);
+                        coordinate(mesh_.vertices[mesh_.faces[f][k]], axis) - leaf.center[axis]);
             }
         }
         tree_.leaves.push_back(leaf);

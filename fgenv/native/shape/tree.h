@@ -17,7 +17,7 @@ constexpr int max_depth = 64;  // of the wide tree; bounds the stack of every qu
 using Ref = uint32_t;
 
 struct alignas(32) Node {
-    float centre[3][lanes];
+    float center[3][lanes];
     float half[3][lanes];  // -1e30 in an empty lane: overlaps nothing
     int32_t child[lanes];  // node, or ~leaf
 };
@@ -25,20 +25,20 @@ struct alignas(32) Node {
 // A box in a frame of its own: thin where the surface is flat, whichever way it faces (S. Gottschalk et
 // al., "OBBTree", 1996). For pairs of shapes; rays use the upright ones.
 struct alignas(64) OrientedBox {
-    float centre[3], half[3];
+    float center[3], half[3];
     float axis[3][3];  // rows, orthonormal
     int32_t child;     // as in Node
 };
 
 // A node's eight, lanes side by side; half is -1e30 in an empty lane.
 struct alignas(32) Oriented {
-    float centre[3][lanes], half[3][lanes];
+    float center[3][lanes], half[3][lanes];
     float axis[2][3][lanes];  // the third is their product
 };
 
 struct alignas(32) Leaf {
-    float v[3][3][lanes];  // vertex, axis, lane; relative to the centre of the leaf's box
-    float centre[3], half[3];  // upright box
+    float v[3][3][lanes];  // vertex, axis, lane; relative to the center of the leaf's box
+    float center[3], half[3];  // upright box
     int32_t face[lanes];
     int32_t vertex[3][lanes];  // of the mesh
     uint32_t valid;         // bit a lane

@@ -6,7 +6,7 @@
 namespace fgenv {
 namespace {
 
-// Numbers of a neighbour.
+// Numbers of a neighbor.
 int32_t width_of(const Senses& s, bool flat) {
     return (flat ? 7 : 11) + (s.intent ? (flat ? 2 : 3) : 0);
 }
@@ -70,8 +70,8 @@ std::vector<Slice> Simulator::slices(int32_t i) const {
     const int32_t place = agent.base() == 3 ? 4 : agent.base();
     std::vector<Slice> out;
     int32_t at = 0;
-    const auto add = [&](bool wanted, const char* name, int32_t n) {
-        if (!wanted || n == 0) return;
+    const auto add = [&](bool expected, const char* name, int32_t n) {
+        if (!expected || n == 0) return;
         out.push_back({name, at, n});
         at += n;
     };
@@ -79,7 +79,7 @@ std::vector<Slice> Simulator::slices(int32_t i) const {
     add(s.velocity, "velocity", agent.drive.n_actions());
     add(s.configuration, "configuration", agent.robot->nq());
     add(s.path_hint, "path_hint", agent.axes());
-    add(true, "neighbours", s.neighbours * (s.priority ? 2 : 1) * width_of(s, flat_));
+    add(true, "neighbors", s.neighbors * (s.priority ? 2 : 1) * width_of(s, flat_));
     add(s.lidar, "lidar", static_cast<int32_t>(agent.lidar.directions.size()));
     return out;
 }
@@ -105,7 +105,7 @@ void Simulator::observe(int32_t e, float* rows) const {
         if (s.configuration)
             for (double x : runner.q) write(out, x);
         if (s.path_hint) sense_path(agent, runner, out);
-        if (s.neighbours) sense_neighbours(episode, i, bodies, out);
+        if (s.neighbors) sense_neighbors(episode, i, bodies, out);
         if (s.lidar) sense_lidar(episode, i, bodies.bases[i], out);
         std::fill(out, end, 0.0f);
     }
@@ -147,7 +147,7 @@ void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out
 // The nearest robots, by the origins of their bases; zeros where there are no more. With a range their numbers fade
 // to zeros where their circles are so far apart, and a direction takes the place of the position. With priorities
 // those that go before the robot, then as many of those that go after it.
-void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const {
+void Simulator::sense_neighbors(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const {
     const int32_t n = n_agents();
     const auto tell = [&](int32_t from, int32_t to) {
         std::vector<std::pair<double, int32_t>> near;
@@ -156,10 +156,10 @@ void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies
             const Vec3 d = origin(bodies.bases[j]) - origin(bodies.bases[i]);
             near.emplace_back(dot(d, d), j);
         }
-        const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbours);
+        const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbors);
         std::partial_sort(near.begin(), near.begin() + k, near.end());
-        for (size_t m = 0; m < k; ++m) sense_neighbour(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
-        const size_t rest = (settings_.senses.neighbours - k) * width_of(settings_.senses, flat_);
+        for (size_t m = 0; m < k; ++m) sense_neighbor(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
+        const size_t rest = (settings_.senses.neighbors - k) * width_of(settings_.senses, flat_);
         std::fill(out, out + rest, 0.0f);
         out += rest;
     };
@@ -168,10 +168,10 @@ void Simulator::sense_neighbours(const Episode& episode, int32_t i, const Bodies
     tell(i, n);
 }
 
-void Simulator::sense_neighbour(
+void Simulator::sense_neighbor(
     const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const {
     const Rigid& own = bodies.bases[i];
-    const double range = settings_.senses.neighbour_range, radius = agents_[j].radius;
+    const double range = settings_.senses.neighbor_range, radius = agents_[j].radius;
     Rigid there = relative(own, bodies.bases[j]);
     const Vec3 v = unrotate(own, bodies.velocities[j] - bodies.velocities[i]);
     double closeness = 1;
@@ -195,7 +195,7 @@ void Simulator::sense_neighbour(
     }
 }
 
-// Metres to the first surface on each ray; the range where there is none, and for who is gone.
+// Meters to the first surface on each ray; the range where there is none, and for who is gone.
 void Simulator::sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const {
     const Agent& agent = agents_[i];
     const size_t n = agent.lidar.directions.size();

@@ -7,7 +7,7 @@ namespace fgenv {
 namespace {
 
 constexpr int tries = 1000;     // for the place of one robot
-constexpr double room = 0.02;   // metres that a robot of one shape, put at random, is apart from all else
+constexpr double room = 0.02;   // meters that a robot of one shape, put at random, is apart from all else
 constexpr double pi = 3.14159265358979323846;
 
 // Angles in [-pi, pi], quaternions of length 1: what a robot that rests is left at.

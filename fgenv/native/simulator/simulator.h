@@ -1,5 +1,5 @@
 // Many worlds of one scenario, stepped at once: robots drive, meet, sense and arrive without Python in
-// the loop. Metres, seconds, radians.
+// the loop. Meters, seconds, radians.
 #pragma once
 
 #include "simulator/archive.h"
@@ -38,22 +38,22 @@ struct Agent {
 // What a row of observations holds, in this order.
 struct Senses {
     bool goal = true, velocity = true, configuration = false, path_hint = false, lidar = true;
-    int32_t neighbours = 0;
-    double neighbour_range = 0;  // metres over which neighbours fade; 0: they do not
-    bool intent = false;         // of neighbours is told: where they are headed
-    bool priority = false;       // neighbours that go before the robot, then those that go after it
-    double look_ahead = 1;       // metres, or radians of joints, along the path
+    int32_t neighbors = 0;
+    double neighbor_range = 0;  // meters over which neighbors fade; 0: they do not
+    bool intent = false;         // of neighbors is told: where they are headed
+    bool priority = false;       // neighbors that go before the robot, then those that go after it
+    double look_ahead = 1;       // meters, or radians of joints, along the path
 };
 
 // What a reward is the sum of, times these.
 struct Weights {
-    double progress = 0;   // metres (radians of joints) nearer to the goal
+    double progress = 0;   // meters (radians of joints) nearer to the goal
     double arrival = 0;    // 1 once
     double collision = 0;  // 1 where the robot met something
     double obstacle = 0;   // 1 more where that is no robot
     double time = 0;       // 1 each step on the way
     double effort = 0;     // mean square of the action, in [0, 1]
-    double closeness = 0;  // 1 in contact, falling to 0 at `near` metres of clearance
+    double closeness = 0;  // 1 in contact, falling to 0 at `near` meters of clearance
 };
 
 struct SimulatorSettings {
@@ -67,7 +67,7 @@ struct SimulatorSettings {
     bool in_order = false;         // world of seed s begins with case s, and goes on from there; else at random
     bool clearance = false;        // is measured after each step
     double near = 0.5;
-    double tolerance = 1e-4;  // metres that a robot may stop before a contact
+    double tolerance = 1e-4;  // meters that a robot may stop before a contact
     Senses senses;
     Weights weights;
 };
@@ -81,7 +81,7 @@ struct Runner {
     Way path;             // from the start to the goal, or what was set since
     bool has_mask = false;  // of the path
     Status status = Status::moving;
-    double remaining = 0;  // to the goal: metres, or radians of joints
+    double remaining = 0;  // to the goal: meters, or radians of joints
     // Of the last step
     BodyId hit = -1, hit_part = -1;  // whom it met, with which of its bodies
     double hit_time = 0;             // seconds in the step
@@ -92,12 +92,12 @@ struct Runner {
     double reward = 0;
     // Of the episode
     int64_t collisions = 0, arrived = -1;  // -1: not yet; else the step
-    double travelled = 0, least_clearance = HUGE_VAL;
+    double traveled = 0, least_clearance = HUGE_VAL;
 
     template <class A>
     void visit(A& archive) {
         archive(q, goal, action, path, has_mask, status, remaining, hit, hit_part, hit_time, hit_point, checks, masked, clearance, reward,
-                collisions, arrived, travelled, least_clearance);
+                collisions, arrived, traveled, least_clearance);
     }
 };
 
@@ -171,8 +171,8 @@ private:
     Rigid base_frame(const Agent& agent, const double* q) const;
     void sense_goal(const Agent& agent, const Runner& runner, float*& out) const;
     void sense_path(const Agent& agent, const Runner& runner, float*& out) const;
-    void sense_neighbours(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const;
-    void sense_neighbour(
+    void sense_neighbors(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const;
+    void sense_neighbor(
         const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const;
     void sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const;
 

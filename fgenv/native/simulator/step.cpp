@@ -95,7 +95,7 @@ void Simulator::step(int32_t e, const double* actions) {
     for (size_t k = 0; k < order.size(); ++k) {
         Runner& runner = episode.runners[order[k]];
         runner.q = episode.world.body(ids[k]).q;
-        runner.travelled += length_of(agents_[order[k]], from[k].q.data(), runner.q.data());
+        runner.traveled += length_of(agents_[order[k]], from[k].q.data(), runner.q.data());
         runner.checks = outcomes[k].checks;
         runner.masked = outcomes[k].masked;
         if (outcomes[k].contact.found) meet(episode, order[k], outcomes[k], order, from, to);

@@ -28,7 +28,7 @@ public:
     bool valid(const double* state);
     // The way that steering takes; its beginning is taken to be valid.
     bool free(const double* from, const double* to);
-    // Metres to the nearest of all others, the members among each other apart; 0 in collision.
+    // Meters to the nearest of all others, the members among each other apart; 0 in collision.
     double clearance(const double* state);
 
     int64_t states = 0, motions = 0;  // asked so far

@@ -83,7 +83,7 @@ constexpr double now = std::numeric_limits<double>::quiet_NaN();
 struct MotionSettings {
     CertifySettings certify;
     double from = now, to = now;  // seconds at fractions 0 and 1
-    double resolution = 0;        // metres; over 0: not certified, looked at in steps
+    double resolution = 0;        // meters; over 0: not certified, looked at in steps
 
     MotionSettings with_speed(double speed) const {
         MotionSettings out = *this;

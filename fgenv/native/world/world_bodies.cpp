@@ -64,7 +64,7 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
     if (name.empty()) name = unused_name("body " + std::to_string(id));
     if (names_.count(name))
         throw std::invalid_argument("name: '" + name + "' is taken by body " + std::to_string(names_[name]) +
-                                    ", wanted one that no body of this world has");
+                                    ", expected one that no body of this world has");
     if (find(id)) throw std::invalid_argument("id: " + std::to_string(id) + " is taken");
     set_end_id(id + 1);
     auto body = std::make_unique<Body>();
@@ -84,7 +84,7 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
 BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q,
                         const std::vector<RobotPart>& parts, const std::vector<std::pair<int32_t, int32_t>>& allowed,
                         const std::string& name, const std::vector<std::string>& groups) {
-    if (parts.empty()) throw std::invalid_argument("robot: it has no shapes, wanted one at least");
+    if (parts.empty()) throw std::invalid_argument("robot: it has no shapes, expected one at least");
     const Place place{identity(), std::move(q)};
     const Frames frames = frames_at(robot.get(), place);
     std::vector<BodyId> ids;

@@ -172,7 +172,7 @@ std::vector<MotionOutcome> World::advance(const std::vector<BodyId>& robots, con
     return out;
 }
 
-// Who meets whom, in the order of time. Who stops voids what was proved of it and its neighbours for later,
+// Who meets whom, in the order of time. Who stops voids what was proved of it and its neighbors for later,
 // so those pairs are looked at anew, one of them at rest.
 std::vector<MotionOutcome> World::stops(const Fleet& all, const MotionSettings& s) const {
     struct Event {

@@ -65,12 +65,12 @@ bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyI
 MotionOutcome World::step_through(const Sweeping& moving, const std::vector<BodyId>& others,
                                   const MotionSettings& s) const {
     MotionOutcome out;
-    const double wanted = std::ceil(moving.speed / s.resolution);
-    if (!(wanted <= max_steps))
+    const double expected = std::ceil(moving.speed / s.resolution);
+    if (!(expected <= max_steps))
         throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
-                                    std::to_string(moving.speed) + " m: wanted at most " + std::to_string(max_steps) +
+                                    std::to_string(moving.speed) + " m: expected at most " + std::to_string(max_steps) +
                                     " steps");
-    const int64_t steps = std::max<int64_t>(1, static_cast<int64_t>(wanted));
+    const int64_t steps = std::max<int64_t>(1, static_cast<int64_t>(expected));
     for (int64_t i = 0; i <= steps; ++i) {
         const double t = double(i) / double(steps);
         if (!touches_at(moving, t, others, s, out)) continue;

@@ -209,11 +209,11 @@ bool World::free_on(const std::vector<BodyId>& robots, const std::vector<Place>&
         const std::vector<Pair> near = ordered(pairs(robots, moving), suspects);
         if (near.empty()) return true;
         const MotionSettings s = given.with_speed(speed);
-        const double wanted = std::ceil(speed / (discrete ? s.resolution : look * size));
-        if (discrete && !(wanted <= double(most_steps)))
+        const double expected = std::ceil(speed / (discrete ? s.resolution : look * size));
+        if (discrete && !(expected <= double(most_steps)))
             throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
-                                        std::to_string(speed) + " m: wanted at most " + std::to_string(most_steps) + " steps");
-        const auto looks = static_cast<int64_t>(lesser(greater(wanted, 1), double(discrete ? most_steps : most_looks)));
+                                        std::to_string(speed) + " m: expected at most " + std::to_string(most_steps) + " steps");
+        const auto looks = static_cast<int64_t>(lesser(greater(expected, 1), double(discrete ? most_steps : most_looks)));
         return all_of_halving(looks, [&](double t) {
             return (t == 0.5 && !discrete) || look_at(moving, at(t), near, s.certify.margin, suspects, asked);
         }) && (discrete || certified(moving, near, s, suspects, asked));

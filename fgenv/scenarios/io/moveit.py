@@ -4,7 +4,7 @@
 >>> scene = load_scene("scene0001.yaml")                       # shapes and bodies
 >>> scenario = load_problem(scene, "request0001.yaml", urdf="panda.urdf", srdf="panda.srdf")
 
-A file holds what `rostopic echo` shows of a moveit_msgs/PlanningScene or MotionPlanRequest. Metres,
+A file holds what `rostopic echo` shows of a moveit_msgs/PlanningScene or MotionPlanRequest. Meters,
 radians; quaternions are x, y, z, w. Positions and orientations may be lists or tables.
 """
 
@@ -18,13 +18,14 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from fgenv.arrays import Floats
 from fgenv.robots import Robot
 from fgenv.scenarios.build import urdf_path
 from fgenv.scenarios.drive_specs import JointVelocity
 from fgenv.scenarios.schema import Body, Model, RobotSpec, Scenario, Tolerance
 from fgenv.scenarios.shapes.bodies import AnyForm
 
-from .ros import Pose, joints, mounted, placement, pose_of
+from .ros import joints, mounted, placement, pose_of
 from .yaml_node import Node
 
 BOX, SPHERE, CYLINDER, CONE = "box", "sphere", "cylinder", "cone"
@@ -91,7 +92,7 @@ def load_problem(
         srdf: a file with pairs of links that may touch, likewise.
         drive: of the joints; at the speeds that the URDF limits them to if left out.
         name: of the scenario; that of the scene if left out.
-        tolerance: metres or radians, of each joint, that count as arrived.
+        tolerance: meters or radians, of each joint, that count as arrived.
 
     Raises:
         ScenarioError: what is wrong, by line; goals that are no joint values.
@@ -129,13 +130,13 @@ def scene_of(top: Node) -> PlanningScene:
     return PlanningScene(top.path.stem, shapes, tuple(bodies))
 
 
-def parts_of(item: Node) -> Iterator[tuple[AnyForm, Pose]]:
+def parts_of(item: Node) -> Iterator[tuple[AnyForm, Floats]]:
     """Forms of a collision object, and their poses in the world."""
     frame = item.find("header", "frame_id")
     if frame is not None and frame.value not in WORLD:
-        frame.fail(f"is {frame.value!r}", "wanted poses in the world's frame")
+        frame.fail(f"is {frame.value!r}", "expected poses in the world's frame")
     if next(item.items("planes"), None) is not None:
-        item.get("planes").fail("is not read", "wanted boxes, which end somewhere")
+        item.get("planes").fail("is not read", "expected boxes, which end somewhere")
     whole = pose_of(item.find("pose"))
     found = False
     for what, form in (("primitives", primitive), ("meshes", mesh)):
@@ -154,7 +155,7 @@ def primitive(part: Node) -> AnyForm:
     kind = part.get("type").value
     kind = NUMBERED.get(kind, kind) if type(kind) is int else str(kind).lower()
     if kind not in SIZES:
-        part.get("type").fail(f"is {kind!r}", f"wanted one of: {', '.join(SIZES)}")
+        part.get("type").fail(f"is {kind!r}", f"expected one of: {', '.join(SIZES)}")
     sizes = part.get("dimensions").numbers(SIZES[kind])
     named = dict(zip(SIZES[kind], sizes, strict=True))
     if kind == BOX:
@@ -172,7 +173,7 @@ def mesh(part: Node) -> AnyForm:
         inside = triangle.find("vertex_indices") if isinstance(triangle.value, dict) else triangle
         corners = (inside or triangle.get("vertex_indices")).numbers("abc")
         if not all(k == int(k) and 0 <= k < len(vertices) for k in corners):
-            triangle.fail(f"is {corners}", f"wanted places in {len(vertices)} vertices, from 0")
+            triangle.fail(f"is {corners}", f"expected places in {len(vertices)} vertices, from 0")
         faces.append(tuple(map(int, corners)))
     return formed(part, kind="triangles", vertices=vertices, faces=tuple(faces))
 
@@ -193,7 +194,7 @@ def problem_of(
     if (held := request.find("start_state", ATTACHED[1])) is not None and held.value:
         held.fail("is not read", "make a link of the robot of it")
     mount = mounted(request.find("start_state", "multi_dof_joint_state"))
-    wanted = {**start, **goal_of(request)}
+    expected = {**start, **goal_of(request)}
     kinematics = arm_of(arm.urdf or "")
     order = kinematics.coordinates
     for joint in order:
@@ -203,7 +204,7 @@ def problem_of(
         name=kinematics.name,
         model="arm",
         start=tuple(start[joint] for joint in order),
-        goal=tuple(wanted[joint] for joint in order),
+        goal=tuple(expected[joint] for joint in order),
         mount=mount,
         goal_tolerance=Tolerance(position=tolerance, angle=tolerance),
     )
@@ -224,7 +225,7 @@ def goal_of(request: Node) -> dict[str, float]:
         request.fail("has no goal_constraints", "add joint constraints")
     for other in ("position_constraints", "orientation_constraints", "visibility_constraints"):
         if (found := goal.find(other)) is not None and found.value:
-            found.fail("is not read", "wanted joint_constraints: solve for joint values first")
+            found.fail("is not read", "expected joint_constraints: solve for joint values first")
     named = {c.get("joint_name").text(): c.get("position").number()
              for c in goal.items("joint_constraints")}  # fmt: skip
     if not named:

@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.scenarios.schema import Placement
 
 from .yaml_node import Node
 
-Pose = NDArray[np.float64]
 DECIMALS = 12  # of angles: what is left is the same on every machine
 
 
-def pose_of(node: Node | None) -> Pose:
-    """A geometry_msgs/Pose, (4, 4); what is left out is 0."""
+def pose_of(node: Node | None) -> Floats:
+    """A geometry_msgs/Floats, (4, 4); what is left out is 0."""
     pose = np.eye(4)
     if node is None:
         return pose
@@ -27,14 +26,14 @@ def pose_of(node: Node | None) -> Pose:
     return pose
 
 
-def turned(node: Node) -> Pose:
+def turned(node: Node) -> Floats:
     """The rotation (3, 3) of a quaternion; as in MoveIt, all zeros are no turn."""
     x, y, z, w = node.numbers("xyzw")
     size = x * x + y * y + z * z + w * w
     if size == 0.0:
         return np.eye(3)
     if abs(size - 1.0) > 0.1:
-        node.fail(f"has length {math.sqrt(size):g}", "wanted a quaternion of length 1")
+        node.fail(f"has length {math.sqrt(size):g}", "expected a quaternion of length 1")
     s = 2.0 / size
     return np.array([
         [1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
@@ -43,7 +42,7 @@ def turned(node: Node) -> Pose:
     ])  # fmt: skip
 
 
-def placement(pose: Pose) -> Placement:
+def placement(pose: Floats) -> Placement:
     """The same pose in the schema's terms."""
     r = pose[:3, :3].tolist()
     level = math.hypot(r[0][0], r[1][0])
@@ -61,7 +60,7 @@ def joints(state: Node) -> dict[str, float]:
     """Values of joints by name, of a sensor_msgs/JointState."""
     names, values = list(state.items("name")), list(state.items("position"))
     if len(names) != len(values):
-        state.fail(f"has {len(names)} names, {len(values)} positions", "wanted one for each")
+        state.fail(f"has {len(names)} names, {len(values)} positions", "expected one for each")
     return {name.text(): value.number() for name, value in zip(names, values, strict=True)}
 
 

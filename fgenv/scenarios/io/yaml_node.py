@@ -52,7 +52,7 @@ class Node:
         node = self
         for key in keys:
             if not isinstance(node.value, dict):
-                node.fail(f"is {short(node.value)}", f"wanted a table with {key}")
+                node.fail(f"is {short(node.value)}", f"expected a table with {key}")
             if node.value.get(key) is None:
                 return None
             node = Node(node.path, node.document, node.value[key], (*node.place, key))
@@ -74,7 +74,7 @@ class Node:
         if node is None:
             return
         if not isinstance(node.value, list):
-            node.fail(f"is {short(node.value)}", "wanted a list")
+            node.fail(f"is {short(node.value)}", "expected a list")
         for i, value in enumerate(node.value):
             yield Node(node.path, node.document, value, (*node.place, i))
 
@@ -83,7 +83,7 @@ class Node:
         value = self.value
         real = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not real or not abs(value) <= MOST:
-            self.fail(f"is {short(value)}", f"wanted a number up to {MOST:g}")
+            self.fail(f"is {short(value)}", f"expected a number up to {MOST:g}")
         return float(value)
 
     def numbers(self, keys: Sequence[str]) -> Numbers:
@@ -92,11 +92,11 @@ class Node:
             return tuple(self.get(key).number() for key in keys)
         found = tuple(item.number() for item in self.items())
         if len(found) != len(keys):
-            self.fail(f"has {len(found)} numbers", f"wanted {len(keys)}: {', '.join(keys)}")
+            self.fail(f"has {len(found)} numbers", f"expected {len(keys)}: {', '.join(keys)}")
         return found
 
     def text(self) -> str:
         """A name."""
         if not isinstance(self.value, str) or not 0 < len(self.value) <= LONGEST:
-            self.fail(f"is {short(self.value)}", f"wanted a name of up to {LONGEST} letters")
+            self.fail(f"is {short(self.value)}", f"expected a name of up to {LONGEST} letters")
         return str(self.value)

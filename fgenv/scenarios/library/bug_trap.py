@@ -13,7 +13,7 @@ from .placing import Q, bare, scatter, sent, team
 from .quaternion import any_way, pose
 from .registry import Seed, builtin
 
-RADIUS, WALL, HALF = 1.0, 0.05, 2.0  # metres: of the trap; half a side of the workspace
+RADIUS, WALL, HALF = 1.0, 0.05, 2.0  # meters: of the trap; half a side of the workspace
 ROD = {"kind": "cylinder", "radius": 0.04, "length": 0.5}
 Throat = Annotated[float, Field(ge=0.05, le=0.4, strict=True)]
 
@@ -26,7 +26,7 @@ def bug_trap(seed: Seed = 0, throat: Throat = 0.1) -> Scenario:
 
     Args:
         seed: of start and goal.
-        throat: radius of the funnel's narrow end, metres, 0.05 to 0.4; the rod's is 0.04.
+        throat: radius of the funnel's narrow end, meters, 0.05 to 0.4; the rod's is 0.04.
     """
     trap = {"kind": "bug_trap", "radius": RADIUS, "wall": WALL, "throat": throat}
     scenario = bare(

@@ -15,14 +15,14 @@ from .placing import Q, bare, block, body, scatter, sent, team
 from .registry import Seed, Size, builtin
 
 ARM = "package://fgenv/scenarios/library/arm.urdf"
-GAP = 0.002  # metres of a base plate that is not modelled: arms may stand on the table, not hit it
+GAP = 0.002  # meters of a base plate that is not modeled: arms may stand on the table, not hit it
 TURNED = (0.4, 1.3)  # of the first joint, rad: to the right at the start, to the left at the goal
 PANDA = "package://fgenv/scenarios/library/mbm/panda"
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Of arms: its model, how the joints after the first are bent (rad), metres between two."""
+    """Of arms: its model, how the joints after the first are bent (rad), meters between two."""
 
     model: dict[str, Any]
     bent: tuple[tuple[float, float], ...]
@@ -59,7 +59,7 @@ def cell(
     Args:
         n: arms, up to 12.
         seed: of starts and goals.
-        size: diameter of the circle of bases, metres; grows with n if left out. An arm reaches
+        size: diameter of the circle of bases, meters; grows with n if left out. An arm reaches
             0.85 m.
         arm: `light`, of six joints, or `panda`, of seven with the meshes of mbm.
     """

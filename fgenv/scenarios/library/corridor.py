@@ -14,7 +14,7 @@ from fgenv.scenarios.schema import Scenario
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
 from .registry import N, Seed, Size, builtin
 
-WIDTH, BAY, DEEP = 0.9, 1.4, 0.9  # metres: of the corridor, of a bay along it, of a bay inwards
+WIDTH, BAY, DEEP = 0.9, 1.4, 0.9  # meters: of the corridor, of a bay along it, of a bay inwards
 
 
 @builtin(dimension=2)
@@ -29,13 +29,15 @@ def corridor(
     Args:
         n: robots.
         seed: of starts and goals.
-        size: length of the corridor, metres; by the number of bays if left out.
+        size: length of the corridor, meters; by the number of bays if left out.
         bays: on alternate sides; half as many as robots, 2 to 8, if left out.
     """
     count = bays if bays is not None else min(8, max(2, math.ceil(n / 2)))
     long = size or micro(2.5 * max(2, count))
     if count * (BAY + 0.2) > long:
-        raise ValueError(f"bays: {count} do not fit along {long:g} m; wanted fewer, or larger size")
+        raise ValueError(
+            f"bays: {count} do not fit along {long:g} m; expected fewer, or larger size"
+        )
     room = micro(max(3.0, math.sqrt(1.5 * n)))
     depth = max(room, WIDTH + 2 * DEEP + 0.4)
     shapes, bodies = fence(long + 2 * room, depth)

@@ -15,12 +15,12 @@ from .placing import Q, bare, scatter, sent, team
 from .quaternion import about, pose
 from .registry import Seed, builtin
 
-COLUMNS, ROWS, CELL = 3, 2, 2.6  # cubicles of a storey along x and y, metres of each
-X, Y = COLUMNS * CELL / 2, ROWS * CELL / 2  # metres, half of the office
-TALL, THICK = 2.5, 0.1  # metres: from floor to floor; of floors and walls
-DOOR, WINDOW, SILL = 1.2, (1.0, 0.9), 0.8  # metres: widths, height, and height over the floor
+COLUMNS, ROWS, CELL = 3, 2, 2.6  # cubicles of a storey along x and y, meters of each
+X, Y = COLUMNS * CELL / 2, ROWS * CELL / 2  # meters, half of the office
+TALL, THICK = 2.5, 0.1  # meters: from floor to floor; of floors and walls
+DOOR, WINDOW, SILL = 1.2, (1.0, 0.9), 0.8  # meters: widths, height, and height over the floor
 MOVER = {"kind": "l", "length": 1.2, "width": 0.9, "arm": 0.25, "height": 0.25}
-REACH = 0.8  # metres from the mover's origin to its farthest point
+REACH = 0.8  # meters from the mover's origin to its farthest point
 SEEN_THROUGH = ("west", "east", "south", "north", "storey")  # in pictures
 
 
@@ -104,7 +104,7 @@ def _shell(hole: int) -> Boxes:
 
 
 def _wall(wall: Wall, storey: int) -> tuple[Corner, Corner]:
-    """Corners of a wall between two cubicles, metres."""
+    """Corners of a wall between two cubicles, meters."""
     i, j, axis = wall
     x, y, z, half = i * CELL - X, j * CELL - Y, storey * TALL, THICK / 2
     top = z + TALL - THICK

@@ -8,9 +8,9 @@ from fgenv.scenarios.rng import Dice, micro
 from fgenv.scenarios.schema import Scenario
 
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
-from .registry import Drive, Metres, N, Seed, Size, builtin
+from .registry import Drive, Meters, N, Seed, Size, builtin
 
-RADIUS, WALL, HEIGHT = 0.25, 0.2, 0.6  # metres
+RADIUS, WALL, HEIGHT = 0.25, 0.2, 0.6  # meters
 
 
 @builtin(dimension=2)
@@ -18,7 +18,7 @@ def doorway(
     n: N = 6,
     seed: Seed = 0,
     size: Size = None,
-    gap: Metres = 0.9,
+    gap: Meters = 0.9,
     drive: Drive = "differential",
 ) -> Scenario:
     """Two rooms, one door: each half of the team goes to the other room.
@@ -26,15 +26,15 @@ def doorway(
     Args:
         n: robots.
         seed: of starts and goals.
-        size: length of both rooms together, metres; grows with n if left out.
-        gap: width of the door, metres; a robot is 0.5 wide.
+        size: length of both rooms together, meters; grows with n if left out.
+        gap: width of the door, meters; a robot is 0.5 wide.
         drive: differential or holonomic.
     """
     width = size or micro(max(6.0, math.sqrt(4.0 * n)))
     depth = micro(0.6 * width)
     jamb = (depth - gap) / 2
     if jamb < 0.05:
-        raise ValueError(f"gap: {gap:g} m, the wall is {depth:g} m long; wanted a narrower door")
+        raise ValueError(f"gap: {gap:g} m, the wall is {depth:g} m long; expected a narrower door")
     shapes, bodies = fence(width, depth)
     for side, name in ((-1, "wall south"), (1, "wall north")):
         bodies.append(body("jamb", 0.0, side * (depth - jamb) / 2, name=name))

@@ -19,7 +19,7 @@ TREES = {
     "fir": {"kind": "tree", "radius": 0.12, "height": 3.6, "crown": 0.75},
     "sapling": {"kind": "tree", "radius": 0.08, "height": 2.4, "crown": 0.55},
 }
-APART, SHORE, TOP = 1.5, 1.2, 5.0  # metres: trees apart, free strip around them, ceiling
+APART, SHORE, TOP = 1.5, 1.2, 5.0  # meters: trees apart, free strip around them, ceiling
 
 
 @builtin(dimension=3)
@@ -34,8 +34,8 @@ def forest(
     Args:
         n: drones.
         seed: of trees, starts and goals.
-        size: side of the wood, metres; grows with n if left out.
-        trees: one for 5 square metres if left out.
+        size: side of the wood, meters; grows with n if left out.
+        trees: one for 5 square meters if left out.
     """
     side = size or micro(max(12.0, 3.0 * math.sqrt(n) + 4.0))
     count = trees if trees is not None else int((side - 2 * SHORE) ** 2 / 5)

@@ -14,12 +14,12 @@ from .placing import Q, bare, block, body, scatter, sent, team
 from .quaternion import about, pose
 from .registry import Seed, builtin
 
-LENGTH, WIDTH = 9.0, 7.0  # metres, of the home along x and y
-TALL, THICK, LINTEL = 2.6, 0.12, 2.1  # metres, of walls; where a door ends
+LENGTH, WIDTH = 9.0, 7.0  # meters, of the home along x and y
+TALL, THICK, LINTEL = 2.6, 0.12, 2.1  # meters, of walls; where a door ends
 TABLE = {"kind": "table", "length": 1.1, "width": 0.95, "height": 0.72}
-REACH = 1.03  # metres from the table's origin to its farthest point
+REACH = 1.03  # meters from the table's origin to its farthest point
 BEFORE, BEHIND = ((-4.0, -0.8), (-3.0, -0.9)), ((0.7, 3.2), (0.7, 2.8))  # living room, bedroom
-DOORS = {"kitchen": -1.0, "bedroom": 1.0, "study": -1.2, "back": 2.4}  # metres along their walls
+DOORS = {"kitchen": -1.0, "bedroom": 1.0, "study": -1.2, "back": 2.4}  # meters along their walls
 
 SHAPES: dict[str, dict[str, Any]] = {
     "bed": block(2.0, 1.5, 0.5),
@@ -50,7 +50,7 @@ def home(seed: Seed = 0, door: Door = 0.85) -> Scenario:
 
     Args:
         seed: of start and goal.
-        door: width of the doors, metres, 0.78 to 1.5; the table is 0.72 at its narrowest.
+        door: width of the doors, meters, 0.78 to 1.5; the table is 0.72 at its narrowest.
     """
     x, y = LENGTH / 2, WIDTH / 2
     shapes, walls = _walls(door)

@@ -14,7 +14,7 @@ from fgenv.scenarios.schema import Scenario
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
 from .registry import N, Seed, Size, builtin
 
-LANE, PITCH = 2.0, 3.5  # metres: width of a lane, room of a car in a queue
+LANE, PITCH = 2.0, 3.5  # meters: width of a lane, room of a car in a queue
 CAR = {"kind": "car", "length": 2.5, "width": 1.2, "height": 1.2}
 TURNING = {
     "car": {"wheelbase": 1.5, "min_turning_radius": 2.0},
@@ -37,8 +37,8 @@ def intersection(
     Args:
         n: cars; a queue for each road, on the right-hand side.
         seed: of who goes where.
-        size: length of both crossing roads, metres; grows with n if left out.
-        jitter: metres that a car stands off its lane's middle, 0.3 at most.
+        size: length of both crossing roads, meters; grows with n if left out.
+        jitter: meters that a car stands off its lane's middle, 0.3 at most.
         drive: car; or, of the same size, what turns on the spot (differential) or goes any way
             (holonomic).
     """

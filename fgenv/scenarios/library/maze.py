@@ -8,7 +8,7 @@ from __future__ import annotations
 from fgenv.scenarios.rng import Dice
 
 Wall = tuple[int, int, int]
-Corner = tuple[float, float, float]  # metres
+Corner = tuple[float, float, float]  # meters
 Boxes = dict[str, tuple[Corner, Corner]]  # by name: least and greatest x, y, z
 
 

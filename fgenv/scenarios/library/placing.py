@@ -13,7 +13,7 @@ from fgenv.scenarios.schema import Body, RobotSpec, Scenario
 
 Q = tuple[float, ...]
 TRIES = 3000  # for one robot
-MARGIN = 0.02  # metres between robots, and to walls
+MARGIN = 0.02  # meters between robots, and to walls
 
 
 def scatter(scenario: Scenario, draw: Callable[[int], Q], margin: float = MARGIN) -> list[Q]:
@@ -22,7 +22,7 @@ def scatter(scenario: Scenario, draw: Callable[[int], Q], margin: float = MARGIN
     Args:
         scenario: its robots' starts and goals are not looked at.
         draw: gives a configuration to try for robot i.
-        margin: metres that robots of one shape are apart from all else.
+        margin: meters that robots of one shape are apart from all else.
 
     Raises:
         ScenarioError: no place is left.
@@ -82,7 +82,7 @@ def body(shape: str, x: float, y: float, yaw: float = 0.0, name: str | None = No
 
 
 def block(x: float, y: float, z: float) -> dict[str, Any]:
-    """The shape of a wall, metres."""
+    """The shape of a wall, meters."""
     return {"kind": "block", "size": (micro(x), micro(y), micro(z))}
 
 

@@ -22,9 +22,9 @@ from fgenv.scenarios.schema import Scenario
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
 from .registry import Drive, N, Seed, Size, builtin
 
-PITCH, CLEAR = 2.0, 0.4  # metres: between lines; from a line to the next obstacle, at least
+PITCH, CLEAR = 2.0, 0.4  # meters: between lines; from a line to the next obstacle, at least
 DISC = {"kind": "disc", "radius": 0.3, "height": 0.35}  # the prism reaches 0.306 m
-CLUTTER = {  # and how far each gets from its origin, metres
+CLUTTER = {  # and how far each gets from its origin, meters
     "crate": (block(0.7, 0.5, 0.5), 0.44),
     "barrel": ({"kind": "disc", "radius": 0.4, "height": 0.7}, 0.41),
     "corner": ({"kind": "l", "length": 0.7, "width": 0.6, "arm": 0.2, "height": 0.5}, 0.47),
@@ -45,7 +45,7 @@ def random_(
     Args:
         n: robots.
         seed: of obstacles, starts and goals.
-        size: side of the field, metres, at least 5; grows with n if left out.
+        size: side of the field, meters, at least 5; grows with n if left out.
         fill: share of the lattice's cells that hold an obstacle.
         drive: differential or holonomic.
     """
@@ -77,7 +77,7 @@ def random_(
 
 
 def _line(k: float, cells: int) -> float:
-    """Where line k of the lattice is, metres."""
+    """Where line k of the lattice is, meters."""
     return micro((k - cells / 2) * PITCH)
 
 

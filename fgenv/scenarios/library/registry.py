@@ -17,9 +17,9 @@ FOLDER = Path(__file__).parent
 
 N = Annotated[int, Field(ge=1, le=64, strict=True)]  # robots
 Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
-Size = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)] | None  # metres
+Size = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)] | None  # meters
 Drive = Literal["differential", "holonomic"]
-Metres = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)]
+Meters = Annotated[float, Field(gt=0, le=1000, strict=True, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from .placing import Q, bare, scatter, sent, team
 from .quaternion import about, after, any_way, pose
 from .registry import Seed, builtin
 
-RADIUS, BAR, HALF = 0.5, 0.14, 1.8  # metres: of a ring, of its bar (diameter), of the workspace
+RADIUS, BAR, HALF = 0.5, 0.14, 1.8  # meters: of a ring, of its bar (diameter), of the workspace
 TURN = 6.9  # rad, that a ring's bar goes round: its ends overlap by a tenth
 Gap = Annotated[float, Field(ge=0.15, le=1.0, strict=True)]
 
@@ -27,7 +27,7 @@ def rings(seed: Seed = 0, gap: Gap = 0.15) -> Scenario:
 
     Args:
         seed: of start and goal.
-        gap: metres between the ends of a ring, 0.15 to 1; its bar is 0.14 thick.
+        gap: meters between the ends of a ring, 0.15 to 1; its bar is 0.14 thick.
     """
     sizes = {"radius": RADIUS, "thickness": BAR, "turn": TURN, "rise": micro(BAR + gap)}
     scenario = bare(

@@ -18,7 +18,7 @@ BODIES = {
     "long": block(1.2, 0.3, 0.35),
     "l": {"kind": "l", "length": 1.0, "width": 0.8, "arm": 0.25, "height": 0.35},
 }
-ROOM = {"disc": 1.0, "long": 1.5, "l": 1.5}  # metres of the circle for each
+ROOM = {"disc": 1.0, "long": 1.5, "l": 1.5}  # meters of the circle for each
 DRIVES = {"disc": "differential", "long": "differential", "l": "holonomic"}
 
 
@@ -37,9 +37,9 @@ def swap(
     Args:
         n: robots.
         seed: of the jitter, and of the circle.
-        size: diameter of the circle, metres; grows with n if left out.
+        size: diameter of the circle, meters; grows with n if left out.
         body: disc, long or l.
-        jitter: metres that starts and goals are moved along x and y, at most; 0 is symmetric.
+        jitter: meters that starts and goals are moved along x and y, at most; 0 is symmetric.
         vary: share by which the circle is larger, at most; over 0 it is turned by any angle, too.
         drive: differential or holonomic; that of the body if left out.
     """

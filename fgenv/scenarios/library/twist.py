@@ -14,9 +14,9 @@ from .placing import Q, bare, body, scatter, sent, team
 from .quaternion import any_way, pose
 from .registry import Seed, builtin
 
-THICK, SIDE, TURN = 0.5, 2.6, math.pi / 2  # of the wall, metres; of the channel, rad
-LENGTH, WIDTH, HEIGHT = 0.3, 0.8, 0.08  # metres, of the bar
-OUT, ASIDE = 0.9, 0.5  # metres from the wall's middle that the bar may be along y, and along x, z
+THICK, SIDE, TURN = 0.5, 2.6, math.pi / 2  # of the wall, meters; of the channel, rad
+LENGTH, WIDTH, HEIGHT = 0.3, 0.8, 0.08  # meters, of the bar
+OUT, ASIDE = 0.9, 0.5  # meters from the wall's middle that the bar may be along y, and along x, z
 Clear = Annotated[float, Field(ge=0.03, le=0.3, strict=True)]
 
 
@@ -28,7 +28,7 @@ def twist(seed: Seed = 0, clear: Clear = 0.2) -> Scenario:
 
     Args:
         seed: of start and goal.
-        clear: metres between bar and channel on each side, 0.03 to 0.3.
+        clear: meters between bar and channel on each side, 0.03 to 0.3.
     """
     width, height, turn = WIDTH + 2 * clear, HEIGHT + 2 * clear, TURN
     wall = {"thickness": THICK, "side": SIDE, "width": width, "height": height, "turn": turn}

@@ -12,7 +12,7 @@ from .placing import CROWDED, Q, area, bare, body, fence, scatter, sent, team
 from .registry import N, Seed, Size, builtin
 
 RACK = {"kind": "shelf", "length": 2.0, "depth": 1.0, "height": 1.6, "clear": 0.35, "levels": 3}
-CELL = (3.4, 2.6)  # metres along x and y for a rack and the aisles beside it
+CELL = (3.4, 2.6)  # meters along x and y for a rack and the aisles beside it
 TURNS = tuple(micro(k * math.pi / 2) for k in (0, 1, 2, -1))
 
 
@@ -23,7 +23,7 @@ def warehouse(n: N = 16, seed: Seed = 0, size: Size = None) -> Scenario:
     Args:
         n: carts.
         seed: of starts and goals.
-        size: side of the hall, metres; grows with n if left out.
+        size: side of the hall, meters; grows with n if left out.
     """
     side = size or micro(max(10.0, 2.2 * math.sqrt(n)))
     columns, rows = (int((side - 1.2) / pitch) for pitch in CELL)

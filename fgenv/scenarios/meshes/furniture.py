@@ -1,4 +1,4 @@
-"""Meshes of furniture: boxes that overlap. Metres; each stands on the floor at its origin."""
+"""Meshes of furniture: boxes that overlap. Meters; each stands on the floor at its origin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Meshes of the planning puzzles: twisted bars and channels, bug traps, rings. Metres.
+"""Meshes of the planning puzzles: twisted bars and channels, bug traps, rings. Meters.
 
 Each is one closed shell. Sines come from the native core: the same mesh on every machine.
 """
@@ -9,16 +9,14 @@ import math
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fgenv import _core
+from fgenv.arrays import Faces, Floats
 from fgenv.robots import primitives
 from fgenv.scenarios.rng import sin_cos
 
 from .vehicles import circle
-
-Floats = NDArray[np.float64]
-Faces = NDArray[np.int64]
 
 STEPS = 12  # sections of a twisted body
 SIDES = 20  # of a bug trap about its axis

@@ -101,7 +101,7 @@ def lidar() -> trimesh.Trimesh:
 def tank(radius: float, height: float, nozzle: float) -> trimesh.Trimesh:
     """An upright tank with dished ends on four legs, standing on the floor at its origin.
 
-    `radius` and `height` in metres, `nozzle` the direction of its flanged nozzle (rad about z).
+    `radius` and `height` in meters, `nozzle` the direction of its flanged nozzle (rad about z).
     """
     clear, dish = 0.16 * height, 0.3 * radius
     bend = np.linspace(0.0, np.pi / 2, 6)

@@ -1,4 +1,4 @@
-"""Meshes of what moves and stands in the built-in scenarios. Metres, x forward, z up.
+"""Meshes of what moves and stands in the built-in scenarios. Meters, x forward, z up.
 
 Sines come from the native core: the same mesh on every machine. Each stands on the floor at its
 origin but for the drone, whose origin is its middle. Some are several closed shells that overlap.
@@ -83,7 +83,7 @@ def car(length: float, width: float, height: float) -> trimesh.Trimesh:
 
 
 def shelf(length: float, depth: float, height: float, clear: float, levels: int) -> trimesh.Trimesh:
-    """A rack on four legs: boards, `clear` metres of room under the lowest; truly concave."""
+    """A rack on four legs: boards, `clear` meters of room under the lowest; truly concave."""
     x, y, post, board = length / 2, depth / 2, 0.03 * height, 0.02 * height
     inner = x - post, y - post
     legs = [

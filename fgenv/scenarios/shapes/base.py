@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fgenv.collision import Shape
 
-LONGEST = 1e4  # metres: more is a slip
+LONGEST = 1e4  # meters: more is a slip
 
 
 class Spec(BaseModel):
@@ -28,12 +28,12 @@ def quantity(unit: str, about: str, default: Any = ..., **bounds: Any) -> Any:
     return Field(default, description=about, json_schema_extra=extra, strict=True, **bounds)
 
 
-def metres(about: str, default: Any = ...) -> Any:
-    """A length over 0, in metres."""
+def meters(about: str, default: Any = ...) -> Any:
+    """A length over 0, in meters."""
     return quantity("m", about, default, gt=0, le=LONGEST)
 
 
-Length = Annotated[float, metres("Length")]
+Length = Annotated[float, meters("Length")]
 
 
 class Form(Spec):
@@ -56,7 +56,7 @@ class Solid(Form):
 
     @abstractmethod
     def mesh(self) -> Any:
-        """The mesh, metres."""
+        """The mesh, meters."""
 
     def shape(self, folder: Path | None = None) -> Shape:
         return _shape(self)

@@ -14,7 +14,7 @@ from fgenv.robots import primitives
 from fgenv.scenarios.meshes import three_tanks, vehicles
 
 from . import puzzles
-from .base import LONGEST, Form, Length, Solid, metres, quantity
+from .base import LONGEST, Form, Length, Solid, meters, quantity
 
 Coordinate = Annotated[float, quantity("m", "Coordinate", ge=-LONGEST, le=LONGEST)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -47,8 +47,8 @@ class Cylinder(Solid):
     """A cylinder about z, its middle at the origin; the mesh encloses it by at most 1 mm."""
 
     kind: Literal["cylinder"]
-    radius: float = metres("Radius")
-    length: float = metres("Length along z")
+    radius: float = meters("Radius")
+    length: float = meters("Length along z")
 
     def mesh(self) -> Any:
         return primitives.cylinder(self.radius, self.length)[0]
@@ -58,7 +58,7 @@ class Sphere(Solid):
     """A sphere, its middle at the origin; the mesh encloses it by at most 1 % of its radius."""
 
     kind: Literal["sphere"]
-    radius: float = metres("Radius")
+    radius: float = meters("Radius")
 
     def mesh(self) -> Any:
         return primitives.sphere(self.radius, max(1e-3, 0.01 * self.radius))[0]
@@ -68,8 +68,8 @@ class Disc(Solid):
     """An upright prism of 24 sides around a circle; stands on the floor at its origin."""
 
     kind: Literal["disc"]
-    radius: float = metres("Radius of the circle that the prism encloses")
-    height: float = metres("Height", 0.3)
+    radius: float = meters("Radius of the circle that the prism encloses")
+    height: float = meters("Height", 0.3)
 
     def mesh(self) -> Any:
         return vehicles.drum(self.radius * 1.00863, 0.0, self.height)  # 1 / cos(pi / 24)
@@ -79,14 +79,14 @@ class LShape(Solid):
     """An L seen from above, corner at -x, -y; stands on the floor, middle of its box at 0, 0."""
 
     kind: Literal["l"]
-    length: float = metres("Along x")
-    width: float = metres("Along y")
-    arm: float = metres("Thickness of both arms, below length and width")
-    height: float = metres("Height", 0.3)
+    length: float = meters("Along x")
+    width: float = meters("Along y")
+    arm: float = meters("Thickness of both arms, below length and width")
+    height: float = meters("Height", 0.3)
 
     def mesh(self) -> Any:
         if self.arm >= min(self.length, self.width):
-            raise ValueError(f"arm: {self.arm:g}, wanted less than length and width")
+            raise ValueError(f"arm: got {self.arm:g}, expected less than length and width")
         return vehicles.angle_iron(self.length, self.width, self.arm, self.height)
 
 
@@ -94,9 +94,9 @@ class Cart(Solid):
     """A low transport robot, x forward; stands on the floor at its origin."""
 
     kind: Literal["cart"]
-    length: float = metres("Along x", 0.8)
-    width: float = metres("Along y", 0.5)
-    height: float = metres("Height", 0.25)
+    length: float = meters("Along x", 0.8)
+    width: float = meters("Along y", 0.5)
+    height: float = meters("Height", 0.25)
 
     def mesh(self) -> Any:
         return vehicles.cart(self.length, self.width, self.height)
@@ -106,9 +106,9 @@ class CarBody(Solid):
     """A car, x forward, the origin on the floor under its rear axle; axles 0.6 length apart."""
 
     kind: Literal["car"]
-    length: float = metres("Along x", 2.5)
-    width: float = metres("Along y", 1.2)
-    height: float = metres("Height", 1.2)
+    length: float = meters("Along x", 2.5)
+    width: float = meters("Along y", 1.2)
+    height: float = meters("Height", 1.2)
 
     def mesh(self) -> Any:
         return vehicles.car(self.length, self.width, self.height)
@@ -118,15 +118,15 @@ class Shelf(Solid):
     """A rack on four legs, its boards along x; stands on the floor at its origin."""
 
     kind: Literal["shelf"]
-    length: float = metres("Along x", 2.0)
-    depth: float = metres("Along y", 1.0)
-    height: float = metres("Height", 1.6)
-    clear: float = metres("Room under the lowest board, below the height", 0.35)
+    length: float = meters("Along x", 2.0)
+    depth: float = meters("Along y", 1.0)
+    height: float = meters("Height", 1.6)
+    clear: float = meters("Room under the lowest board, below the height", 0.35)
     levels: int = Field(default=3, ge=1, le=20, strict=True, description="Number of boards")
 
     def mesh(self) -> Any:
         if self.clear >= self.height:
-            raise ValueError(f"clear: {self.clear:g}, wanted less than the height")
+            raise ValueError(f"clear: got {self.clear:g}, expected less than the height")
         sizes = self.length, self.depth, self.height, self.clear
         return vehicles.shelf(*sizes, self.levels)
 
@@ -135,9 +135,9 @@ class Tree(Solid):
     """A conifer; stands on the floor at its origin."""
 
     kind: Literal["tree"]
-    radius: float = metres("Of the trunk", 0.12)
-    height: float = metres("Height", 4.0)
-    crown: float = metres("Radius of the crown", 0.8)
+    radius: float = meters("Of the trunk", 0.12)
+    height: float = meters("Height", 4.0)
+    crown: float = meters("Radius of the crown", 0.8)
 
     def mesh(self) -> Any:
         return vehicles.tree(self.radius, self.height, self.crown)
@@ -147,8 +147,8 @@ class Quadcopter(Solid):
     """A quadcopter with four rotors, x forward, its middle at the origin."""
 
     kind: Literal["quadcopter"]
-    span: float = metres("Width over the rotors", 0.5)
-    height: float = metres("Height", 0.12)
+    span: float = meters("Width over the rotors", 0.5)
+    height: float = meters("Height", 0.12)
 
     def mesh(self) -> Any:
         return vehicles.drone(self.span, self.height)
@@ -158,8 +158,8 @@ class Tank(Solid):
     """A tank on four legs with a nozzle, of the published scene; stands on the floor."""
 
     kind: Literal["tank"]
-    radius: float = metres("Radius")
-    height: float = metres("Height of the shell")
+    radius: float = meters("Radius")
+    height: float = meters("Height of the shell")
     nozzle: float = quantity("rad", "Direction of the nozzle, about z", 0.0, ge=-10, le=10)
 
     def mesh(self) -> Any:
@@ -180,7 +180,7 @@ class MeshFile(Form):
 
     kind: Literal["mesh"]
     file: str = Field(min_length=1, description="Path, relative to the scenario file")
-    scale: float = quantity("-", "Factor to metres: 0.001 for a file in millimetres", 1.0, gt=0)
+    scale: float = quantity("-", "Factor to meters: 0.001 for a file in millimeters", 1.0, gt=0)
     sha256: str | None = Field(
         default=None,
         pattern="^[0-9a-f]{64}$",

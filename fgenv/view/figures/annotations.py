@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.envs import Record
 from fgenv.scenarios import Built
@@ -14,13 +15,12 @@ from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.movie import Frame
 from fgenv.view.figures.overlay import Sheet
 from fgenv.view.figures.palette import INK, robot_color
-from fgenv.view.figures.surfaces import Floats
 from fgenv.view.mask_links import GONE, links, present
 
 NOTES = ("time", "trails", "collisions", "masks")
 LINGER = 1.0  # seconds that a contact is still told
 TRAIL = 4.0  # seconds back
-LIFT = 0.01  # metres that trails are over where a base is
+LIFT = 0.01  # meters that trails are over where a base is
 HIDDEN = 0.02  # of the way to a point: what is nearer by more hides it
 
 
@@ -28,14 +28,14 @@ def check(notes: Sequence[str]) -> None:
     """ValueError where there is no such note."""
     for note in notes:
         if note not in NOTES:
-            raise ValueError(f"note: {note!r}, wanted {', '.join(NOTES)}")
+            raise ValueError(f"note: got {note!r}, expected {', '.join(NOTES)}")
 
 
 class Notes:
     """Notes on the frames of one episode.
 
     Args:
-        wanted: of `NOTES`.
+        expected: of `NOTES`.
         met: all meetings.
         whose: robots whose masks are drawn; all if left out.
     """
@@ -44,12 +44,12 @@ class Notes:
         self,
         record: Record,
         built: Built,
-        wanted: Sequence[str],
+        expected: Sequence[str],
         met: Sequence[Meeting],
         whose: Sequence[int] | None = None,
     ) -> None:
-        check(wanted)
-        self.record, self.wanted, self.met = record, wanted, met
+        check(expected)
+        self.record, self.expected, self.met = record, expected, met
         self.names = [robot.name for robot in built.robots]
         self.whose = range(record.n_robots) if whose is None else whose
         self._ways = [
@@ -67,16 +67,16 @@ class Notes:
         """The frame (height, width, 3) after a step, with notes; `world` is then, if needed."""
         sheet, seconds = Sheet(frame, camera), step * self.record.dt
         lately = [m for m in self.met if m.begin <= seconds <= m.end + LINGER]
-        if "trails" in self.wanted and world is not None:
+        if "trails" in self.expected and world is not None:
             self._trails(sheet, step, world)
-        if "masks" in self.wanted and world is not None:
+        if "masks" in self.expected and world is not None:
             self._masks(sheet, step, world)
-        if "collisions" in self.wanted:
+        if "collisions" in self.expected:
             for meeting in lately:
                 sheet.ring(np.array(meeting.point))
-        if "time" in self.wanted:
+        if "time" in self.expected:
             sheet.text(8, 6, f"{seconds:.1f} s", INK)
-        if "collisions" in self.wanted:
+        if "collisions" in self.expected:
             tell(sheet, lately)
         return sheet.frame()
 

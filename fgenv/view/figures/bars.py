@@ -20,7 +20,7 @@ COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILION, SKY)
 
 
 def draw(times: Times, title: str, path: str | Path) -> None:
-    """A group of bars for each row, a colour for each peer, a line where both are as fast.
+    """A group of bars for each row, a color for each peer, a line where both are as fast.
 
     Raises:
         ValueError: nothing to compare with, a ratio that is none, or a wrong path.
@@ -33,7 +33,7 @@ def draw(times: Times, title: str, path: str | Path) -> None:
     for row, found in rows.items():
         for peer, ratio in found.items():
             if not (np.isfinite(ratio) and ratio > 0):
-                raise ValueError(f"times[{row!r}][{peer!r}]: {ratio}, wanted a number over 0")
+                raise ValueError(f"times[{row!r}][{peer!r}]: got {ratio}, expected a number over 0")
     figure = blank(8.0, 1.4 + 0.19 * sum(map(len, rows.values())) + 0.12 * len(rows))
     axes = figure.add_subplot()
     fill(axes, rows)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from fgenv.arrays import Floats
+
 Point = tuple[float, float, float]
 AZIMUTH, ELEVATION, FOV = (
     -1.2,
@@ -52,7 +53,7 @@ class Camera:
 
     @property
     def pixels_per_slope(self) -> float:
-        """Pixels that one metre takes up at one metre ahead."""
+        """Pixels that one meter takes up at one meter ahead."""
         return self.height / 2 / float(np.tan(self.fov / 2))
 
     def rays(self, pixels: ArrayLike) -> Floats:
@@ -69,7 +70,7 @@ class Camera:
         return np.asarray(np.stack([columns, rows], axis=-1) + 0.5, dtype=np.float64)
 
     def project(self, points: ArrayLike) -> tuple[Floats, Floats]:
-        """Pixels (..., 2) from the top left corner, and depths ahead (...,) in metres, of points
+        """Pixels (..., 2) from the top left corner, and depths ahead (...,) in meters, of points
         (..., 3). A point behind the eye has a depth below 0 and no meaningful pixel."""
         local = (np.asarray(points, dtype=np.float64) - self.eye) @ self.axes.T
         depth: Floats = np.asarray(local[..., 2], dtype=np.float64)

@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import AZIMUTH, ELEVATION, FOV, Camera, direction, overview
-from fgenv.view.figures.surfaces import Floats
 
 CAMERAS = ("overview", "top", "follow", "orbit")
 UPRIGHT = np.pi / 2 - 1e-3  # rad: straight down would leave open which way is up
 SOUTH = -np.pi / 2
-HIGH, REACHES, LEAST = 1.0, 15.0, 2.0  # of who follows: elevation, reaches away, metres at least
+HIGH, REACHES, LEAST = 1.0, 15.0, 2.0  # of who follows: elevation, reaches away, meters at least
 TURN = 12.0  # seconds around everything
 
 
@@ -22,7 +22,7 @@ class Tripod:
     """A camera of a kind, for each moment.
 
     Args:
-        corners: (n, 3), metres, of what is to be seen.
+        corners: (n, 3), meters, of what is to be seen.
         robot: which one is followed.
         azimuth, elevation: rad, of where an overview is from; else its own.
     """
@@ -39,11 +39,11 @@ class Tripod:
         elevation: float | None = None,
     ) -> None:
         if kind not in CAMERAS:
-            raise ValueError(f"camera: {kind!r}, wanted {', '.join(CAMERAS)}")
+            raise ValueError(f"camera: got {kind!r}, expected {', '.join(CAMERAS)}")
         if kind != "overview" and (azimuth, elevation) != (None, None):
             raise ValueError(f"azimuth, elevation: of the camera overview, got {kind!r}")
         if elevation is not None and not 0.0 < elevation <= UPRIGHT:
-            raise ValueError(f"elevation: {elevation}, wanted over 0, to {UPRIGHT:.4f} rad")
+            raise ValueError(f"elevation: got {elevation}, expected over 0, to {UPRIGHT:.4f} rad")
         self.kind, self.robot, self._model = kind, robot, built.robots[robot]
         size = width, height
         look = AZIMUTH if azimuth is None else azimuth

@@ -15,7 +15,9 @@ def checked(path: str | Path, option: str = "plot") -> Path:
     """The path of a plot to write; ValueError where its format or its folder is none."""
     path = Path(path)
     if path.suffix not in SUFFIXES:
-        raise ValueError(f"{option}: {path}, wanted a name that ends in {', '.join(SUFFIXES)}")
+        raise ValueError(
+            f"{option}: got {path}, expected a name that ends in {', '.join(SUFFIXES)}"
+        )
     if not path.parent.is_dir():
         raise ValueError(f"{option}: {path}: there is no folder {path.parent}; make it first")
     return path

@@ -49,7 +49,7 @@ def frames_of(
         ValueError: no such camera, robot or note, or a camera that looks from elsewhere.
     """
     if robot is not None and not 0 <= robot < record.n_robots:
-        raise ValueError(f"robot: {robot}, wanted 0 to {record.n_robots - 1}")
+        raise ValueError(f"robot: got {robot}, expected 0 to {record.n_robots - 1}")
     built, followed = record.scenario.build(), robot or 0
     whose = None if robot is None else [robot]
     over = Notes(record, built, notes, meetings(record), whose)

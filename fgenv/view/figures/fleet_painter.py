@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import Camera, overview
@@ -13,7 +14,7 @@ from fgenv.view.figures.gallery import corners_of
 from fgenv.view.figures.movie import Frame
 from fgenv.view.figures.painter import Mark, Painter
 from fgenv.view.figures.palette import MARKED, robot_color, static_color
-from fgenv.view.figures.surfaces import Floats, Floor
+from fgenv.view.figures.surfaces import Floor
 
 
 class FleetPainter:
@@ -22,7 +23,7 @@ class FleetPainter:
     The camera sees all starts and goals, and `corners`; another one may be set at any time.
 
     Args:
-        corners: (n, 3), metres, of more that is to be seen.
+        corners: (n, 3), meters, of more that is to be seen.
         width, height: pixels.
     """
 
@@ -40,7 +41,7 @@ class FleetPainter:
         self._tinted: set[str] = set()
 
     def tint(self, names: set[str]) -> None:
-        """Draw those bodies that stand in another colour, and only those."""
+        """Draw those bodies that stand in another color, and only those."""
         if names != self._tinted:
             self._tinted, self._here = names, None
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image
 
+from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.scenarios import Built, Scenario, bounds
 from fgenv.view.figures.camera import box_corners, overview
 from fgenv.view.figures.palette import robot_color, static_color
 from fgenv.view.figures.picture import Picture
 from fgenv.view.figures.quantize import small
-from fgenv.view.figures.surfaces import Floats, Floor, Solid
+from fgenv.view.figures.surfaces import Floor, Solid
 
-GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; metres of marks over the floor
+GHOST, LIFT = 0.4, 0.02  # opacity of what is at its goal; meters of marks over the floor
 GLASS, CLEAR = "glass", 0.25  # group of bodies that are seen through, and their opacity
 RING = np.linspace(0.0, 2 * np.pi, 33)
 

@@ -1,4 +1,4 @@
-"""Shares with their intervals: a row for each set, a coloured point for each method."""
+"""Shares with their intervals: a row for each set, a colored point for each method."""
 
 from __future__ import annotations
 

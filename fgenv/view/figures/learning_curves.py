@@ -8,7 +8,7 @@ from pathlib import Path
 from fgenv.view.figures.canvas import blank, checked, write
 from fgenv.view.figures.palette import BLUE, GREEN, VERMILION
 
-SHOWN = {  # column: label, colour, line
+SHOWN = {  # column: label, color, line
     "success": ("success, of episodes", BLUE, "-"),
     "robot_success": ("success, of robots", GREEN, "--"),
     "collision": ("ran into something, of robots", VERMILION, ":"),
@@ -24,7 +24,7 @@ def evaluations(path: str | Path) -> dict[str, list[float]]:
     with Path(path).open(newline="", encoding="utf-8", errors="replace") as file:
         reader = csv.DictReader(file)
         if not {"steps", *SHOWN} <= set(reader.fieldnames or ()):
-            raise ValueError(f"{path}: wanted the evaluations.csv that fgenv train writes")
+            raise ValueError(f"{path}: expected the evaluations.csv that fgenv train writes")
         try:
             rows = [{name: float(row[name]) for name in ("steps", *SHOWN)} for row in reader]
         except (TypeError, ValueError):

@@ -30,7 +30,7 @@ def frame_seconds(path: str | Path, fps: float) -> float:
     """
     check(Path(path))
     if not 0 < fps <= 1000:
-        raise ValueError(f"fps: {fps!r}, wanted frames per second, over 0, to 1000")
+        raise ValueError(f"fps: got {fps!r}, expected frames per second, over 0, to 1000")
     if Path(path).suffix == ".gif":
         return max(LEAST_DELAY, round(100 / fps) / 100)
     return 1 / fps
@@ -64,7 +64,7 @@ def write_movie(path: str | Path, frames: Iterable[Frame], fps: float = 10.0) ->
 def check(path: Path) -> None:
     """See `frame_seconds`."""
     if path.suffix not in SUFFIXES:
-        raise ValueError(f"movie: {path}, wanted a name that ends in {' or '.join(SUFFIXES)}")
+        raise ValueError(f"movie: got {path}, expected a name that ends in {' or '.join(SUFFIXES)}")
     if path.suffix == ".mp4":
         encoder()
 
@@ -85,8 +85,8 @@ def checked(frames: Iterable[Frame], counted: Iterator[int], even: bool) -> Iter
     for frame in frames:
         wrong = frame.ndim != 3 or frame.shape[2] != 3 or frame.dtype != np.uint8
         if wrong or (shape and frame.shape != shape):
-            wanted = str(shape) if shape else "(height, width, 3)"
-            raise ValueError(f"frame: {frame.dtype} {frame.shape}, wanted uint8 {wanted}")
+            expected = str(shape) if shape else "(height, width, 3)"
+            raise ValueError(f"frame: {frame.dtype} {frame.shape}, expected uint8 {expected}")
         shape = frame.shape
         if even and (shape[0] % 2 or shape[1] % 2):
             raise ValueError(f"frame: {shape[1]} x {shape[0]} pixels, MP4 wants even numbers")
@@ -97,9 +97,9 @@ def checked(frames: Iterable[Frame], counted: Iterator[int], even: bool) -> Iter
 
 
 def write_gif(path: Path, frames: Iterator[Frame], seconds: float) -> None:
-    """In the colours of the first frame and of robots, so that what stands still does not flicker.
+    """In the colors of the first frame and of robots, so that what stands still does not flicker.
 
-    One colour is left for what is as it was in the frame before, which makes the file small.
+    One color is left for what is as it was in the frame before, which makes the file small.
     """
     begin = Image.fromarray(next(frames))
     palette = Palette(begin, TEAM)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from fgenv.arrays import Floats
 
 
 def normal_maps(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> Floats:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from fgenv.arrays import Floats
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.movie import Frame
 from fgenv.view.figures.palette import BLACK, WHITE, Color
-from fgenv.view.figures.surfaces import Floats
 
 FINE = 2  # drawn so many times larger, for smooth lines
 
 
 class Sheet:
-    """What is drawn is laid over the frame in the end; all places are metres, all sizes pixels."""
+    """What is drawn is laid over the frame in the end; all places are meters, all sizes pixels."""
 
     def __init__(self, frame: Frame, camera: Camera) -> None:
         self.camera, self._image = camera, Image.fromarray(frame).convert("RGBA")
@@ -62,6 +62,6 @@ class Sheet:
 
 
 def ink(color: Color, opacity: float = 1.0) -> tuple[int, int, int, int]:
-    """An sRGB colour in bytes."""
+    """An sRGB color in bytes."""
     red, green, blue, alpha = (round(255 * c) for c in (*color, opacity))
     return red, green, blue, alpha

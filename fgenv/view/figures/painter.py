@@ -7,19 +7,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.view.figures.camera import Camera, box_corners, overview
 from fgenv.view.figures.normals import normal_maps
 from fgenv.view.figures.palette import Color, to_linear
 from fgenv.view.figures.shader import CONTRAST
-from fgenv.view.figures.surfaces import SMOOTH, Floats, Floor, Light
+from fgenv.view.figures.surfaces import SMOOTH, Floor, Light
 
 FLOOR, LIGHT = Floor(), Light()
 FAR = 2.5  # times as far as the camera looks, a floor fades out if it does not say where
 
 
 class Mark(NamedTuple):
-    """A ring on the floor around (x, y), metres, filled with a paler disc: a goal, say."""
+    """A ring on the floor around (x, y), meters, filled with a paler disc: a goal, say."""
 
     x: float
     y: float
@@ -34,7 +35,7 @@ class Painter:
     number of threads, nor on the instruction set.
 
     Args:
-        shapes, colors: of the bodies; bodies may share a shape. Colours are sRGB.
+        shapes, colors: of the bodies; bodies may share a shape. Colors are sRGB.
         camera: looks at them; None: one that sees all bodies and marks of the first picture, of
             `width` by `height` pixels, which are of no use otherwise.
         floor: fades out farther than by default where the camera is far, unless it says where;
@@ -117,7 +118,7 @@ class Painter:
         return picture
 
     def _ground(self, camera: Camera) -> Floats | None:
-        """Height, grid, fade and linear colour of the floor, for the core."""
+        """Height, grid, fade and linear color of the floor, for the core."""
         floor, color = self._floor, self._floor_color
         if floor is None or color is None:
             return None
@@ -143,13 +144,13 @@ class Painter:
 
 
 def _linear(colors: ArrayLike, name: str) -> Floats:
-    """sRGB colours, 0 to 1, one or in rows, as linear light."""
+    """sRGB colors, 0 to 1, one or in rows, as linear light."""
     rows = np.asarray(colors, dtype=np.float64)
     if rows.size == 0:
         return np.empty((0, 3))
     if rows.shape[-1] != 3:
-        raise ValueError(f"{name}: {rows.shape[-1]} numbers a colour, want red, green and blue")
+        raise ValueError(f"{name}: {rows.shape[-1]} numbers a color, want red, green and blue")
     bad = ~((rows >= 0.0) & (rows <= 1.0))
     if bad.any():
-        raise ValueError(f"{name}: a colour with {rows[bad][0]}, want sRGB from 0 to 1")
+        raise ValueError(f"{name}: a color with {rows[bad][0]}, want sRGB from 0 to 1")
     return to_linear(rows)

@@ -1,4 +1,4 @@
-"""Colours that people with colour-blindness can tell apart (Okabe and Ito, 2008)."""
+"""Colors that people with color-blindness can tell apart (Okabe and Ito, 2008)."""
 
 from typing import TypeAlias
 

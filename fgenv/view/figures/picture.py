@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from fgenv.arrays import Floats
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.palette import INK, WHITE, Color, to_srgb
 from fgenv.view.figures.shader import render
-from fgenv.view.figures.surfaces import Floats, Floor, Light, Solid
+from fgenv.view.figures.surfaces import Floor, Light, Solid
 
-NEAR = 1e-3  # metres: what is nearer to the eye than this is not drawn
+NEAR = 1e-3  # meters: what is nearer to the eye than this is not drawn
 FINE = 3  # overlays are drawn so many times larger, for smooth lines
 
 
@@ -35,7 +36,7 @@ class Picture:
         self.camera = camera
         color, depth = render(camera, solids, floor=floor, light=light, samples=samples)
         self._base = Image.fromarray((to_srgb(color) * 255 + 0.5).astype(np.uint8))
-        # A line on a silhouette is seen if any neighbour lets it be seen.
+        # A line on a silhouette is seen if any neighbor lets it be seen.
         around = np.lib.stride_tricks.sliding_window_view(np.pad(depth, 1, mode="edge"), (3, 3))
         self._depth: NDArray[np.float64] = around.max(axis=(2, 3))
         self._layer = Image.new("RGBA", (FINE * camera.width, FINE * camera.height))
@@ -51,7 +52,7 @@ class Picture:
         opacity: float = 1.0,
         hidden: float = 0.0,
     ) -> None:
-        """Draw segments (n, 2, 3), metres; width in pixels."""
+        """Draw segments (n, 2, 3), meters; width in pixels."""
         thick = max(1, round(width * FINE))
         for pixels, seen in self._traces(np.asarray(ends, dtype=np.float64).reshape(-1, 2, 3)):
             ink = opacity if seen else hidden

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.envs import Record
 from fgenv.scenarios import Built
 from fgenv.view.contact_events import meetings
 from fgenv.view.figures.canvas import blank, checked, write
 from fgenv.view.figures.palette import INK, robot_color
-from fgenv.view.figures.surfaces import Floats
 from fgenv.view.mask_links import GONE, present, world_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-DASHES = ("-", "--", ":", "-.")  # one more each time that colours begin anew
+DASHES = ("-", "--", ":", "-.")  # one more each time that colors begin anew
 COLORS = 7
 LEGEND = 12  # robots at most that are named
-FLOOR = 1e-4  # metres: less is drawn as that
+FLOOR = 1e-4  # meters: less is drawn as that
 
 
 def plot(record: Record, kind: str, path: str | Path) -> None:
@@ -37,7 +37,7 @@ def plot(record: Record, kind: str, path: str | Path) -> None:
         ImportError: Matplotlib is missing, with the remedy.
     """
     if kind not in KINDS:
-        raise ValueError(f"kind: {kind!r}, wanted {', '.join(KINDS)}")
+        raise ValueError(f"kind: got {kind!r}, expected {', '.join(KINDS)}")
     path = checked(path)
     if len(record) == 0:
         raise ValueError("record: it has no steps, nothing to plot")
@@ -80,7 +80,7 @@ def clearance(record: Record, axes: Axes) -> None:
 
 
 def clearances_of(record: Record) -> Floats:
-    """What was not recorded: metres to whatever is nearest after each step, (steps, robots)."""
+    """What was not recorded: meters to whatever is nearest after each step, (steps, robots)."""
     built = record.scenario.build()
     found = np.full((len(record), record.n_robots), np.inf)
     for k in range(len(record)):
@@ -140,7 +140,7 @@ def space_time(record: Record, axes: Axes) -> None:
         if robot.base != "fixed"
     ]
     if not places:
-        raise ValueError("space-time: wanted robots whose bases move")
+        raise ValueError("space-time: expected robots whose bases move")
     every = np.concatenate(places)
     axis = int(np.ptp(every, axis=0).argmax())
     times = record.dt * np.arange(len(record) + 1)

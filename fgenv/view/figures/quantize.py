@@ -1,4 +1,4 @@
-"""Pictures in few colours, for small files: each pixel in the nearest of them, none dithered."""
+"""Pictures in few colors, for small files: each pixel in the nearest of them, none dithered."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from PIL import Image
 
 from fgenv.view.figures.palette import Color
 
-COMMON = 176  # colours of a palette that are common in the picture; the others are far apart
-SHADES = np.linspace(0.55, 1.0, 4)  # of a colour, from the shade into the sun
+COMMON = 176  # colors of a palette that are common in the picture; the others are far apart
+SHADES = np.linspace(0.55, 1.0, 4)  # of a color, from the shade into the sun
 SWATCH = 2  # pixels high
 UNKNOWN = 255
-BAND = 4096  # colours at a time
+BAND = 4096  # colors at a time
 
 
 def small(image: Image.Image) -> Image.Image:
-    """The picture in 255 colours of its own."""
+    """The picture in 255 colors of its own."""
     return Palette(image).apply(image)
 
 
 class Palette:
-    """255 colours for a picture: most of them common in it, the others far apart.
+    """255 colors for a picture: most of them common in it, the others far apart.
 
     Args:
-        also: colours that are to be in it, lit and in the shade, though the picture lacks them.
+        also: colors that are to be in it, lit and in the shade, though the picture lacks them.
     """
 
     def __init__(self, image: Image.Image, also: Sequence[Color] = ()) -> None:
@@ -35,10 +35,10 @@ class Palette:
         apart = sample.quantize(UNKNOWN - COMMON, Image.Quantize.MAXCOVERAGE)
         found = [colors_of(common), colors_of(apart)]
         self.colors: NDArray[np.uint8] = np.concatenate(found)[:UNKNOWN]
-        self._nearest = np.full(1 << 24, UNKNOWN, dtype=np.uint8)  # of each colour that there is
+        self._nearest = np.full(1 << 24, UNKNOWN, dtype=np.uint8)  # of each color that there is
 
     def apply(self, image: Image.Image) -> Image.Image:
-        """The picture in these colours; index 255 stays unused."""
+        """The picture in these colors; index 255 stays unused."""
         pixels = np.asarray(image.convert("RGB"), dtype=np.uint32)
         codes = pixels[..., 0] << 16 | pixels[..., 1] << 8 | pixels[..., 2]
         self._learn(np.unique(codes[self._nearest[codes] == UNKNOWN]))
@@ -47,7 +47,7 @@ class Palette:
         return done
 
     def _learn(self, codes: NDArray[np.uint32]) -> None:
-        """Find the nearest of the palette to each of these colours."""
+        """Find the nearest of the palette to each of these colors."""
         own = self.colors.astype(np.float64)
         for band in np.array_split(codes, len(codes) // BAND + 1):
             rows = np.stack([band >> 16, band >> 8 & 255, band & 255], axis=1).astype(np.float64)
@@ -62,7 +62,7 @@ def colors_of(image: Image.Image) -> NDArray[np.uint8]:
 
 
 def with_swatches(image: Image.Image, colors: Sequence[Color]) -> Image.Image:
-    """The image above swatches of colours, in the sun and in the shade."""
+    """The image above swatches of colors, in the sun and in the shade."""
     if len(colors) == 0:
         return image
     shades = np.round(255 * SHADES[:, None, None] * np.array(colors)).astype(np.uint8)

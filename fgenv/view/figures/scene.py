@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
 from fgenv.collision.world import Record
 from fgenv.scenarios import bounds
@@ -13,7 +13,6 @@ from fgenv.view.figures.palette import INK, STEEL, Color
 from fgenv.view.figures.picture import Picture
 from fgenv.view.figures.surfaces import Floor, Solid
 
-Floats = NDArray[np.float64]
 OUTLINE = 0.5  # rad: edges that bend more are drawn as outlines
 
 
@@ -37,7 +36,7 @@ def stage(
     grid: float = 1.0,
     samples: int = 3,
 ) -> Picture:
-    """A picture of bodies where they stand, with outlines, in the colours of their names."""
+    """A picture of bodies where they stand, with outlines, in the colors of their names."""
     solids = [Solid(b.shape, b.pose, colors.get(b.name, STEEL)) for b in bodies]
     picture = Picture(camera, [*solids, *extra], floor=Floor(grid=grid), samples=samples)
     for body in bodies:

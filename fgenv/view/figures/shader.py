@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Ints
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.palette import to_linear
-from fgenv.view.figures.surfaces import Floats, Floor, Ints, Light, Solid
+from fgenv.view.figures.surfaces import Floor, Light, Solid
 
-CONTRAST = 0.02  # of linear colour between neighbours: more is an edge, and sampled again
+CONTRAST = 0.02  # of linear color between neighbors: more is an edge, and sampled again
 BAND = 50_000  # rays at a time
 
 
@@ -23,7 +24,7 @@ def render(
     samples: int = 1,
     shadows: bool = True,
 ) -> tuple[Floats, Floats]:
-    """Linear colours (h, w, 3) and depths ahead (h, w), metres, infinite for the sky.
+    """Linear colors (h, w, 3) and depths ahead (h, w), meters, infinite for the sky.
 
     Solids are Lambert surfaces under a sun with hard shadows and a sky. With samples > 1 each
     pixel at an edge is the mean of that many samples squared.
@@ -44,7 +45,7 @@ def render(
 
 
 def _edges(color: Floats) -> NDArray[np.bool_]:
-    """Pixels (h, w) that differ from a neighbour."""
+    """Pixels (h, w) that differ from a neighbor."""
     rough = np.zeros(color.shape[:2], dtype=bool)
     across = (np.abs(np.diff(color, axis=1)) > CONTRAST).any(axis=2)
     down = (np.abs(np.diff(color, axis=0)) > CONTRAST).any(axis=2)
@@ -64,7 +65,7 @@ class _View:
     shadows: bool
 
     def look(self, pixels: Floats) -> tuple[Floats, Floats]:
-        """Colours (n, 3) and depths ahead (n,) at pixels (n, 2)."""
+        """Colors (n, 3) and depths ahead (n,) at pixels (n, 2)."""
         bands = np.array_split(pixels, max(1, len(pixels) // BAND))
         seen = [self._band(self.camera.rays(band)) for band in bands]
         return np.concatenate([c for c, _ in seen]), np.concatenate([d for _, d in seen])
@@ -94,7 +95,7 @@ class _View:
     def _paint(
         self, solid: Solid, rays: Floats, distance: Floats, face: Ints, color: Floats, seen: Ints
     ) -> None:
-        """Lay a solid's colour over that of the rays seen (n,), of all (m, 3)."""
+        """Lay a solid's color over that of the rays seen (n,), of all (m, 3)."""
         if len(seen) == 0:
             return
         points = self.camera.eye + rays * distance[:, None]

@@ -4,20 +4,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Ints
 from fgenv.collision import Shape
 from fgenv.view.figures.normals import normal_maps
 from fgenv.view.figures.palette import Color, to_linear
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 SMOOTH = 0.6  # rad: edges that bend less are shaded round
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A shape at a pose (4, 4) in an sRGB colour; below opacity 1 a ghost without a shadow.
+    """A shape at a pose (4, 4) in an sRGB color; below opacity 1 a ghost without a shadow.
 
     Edges that bend less than `smooth` (rad) are shaded round.
     """
@@ -33,7 +31,7 @@ class Solid:
 
         Of origins (n, 3) and unit directions (n, 3) one may be (3,), the same for all rays.
         """
-        offset = self._centre - origins
+        offset = self._center - origins
         along = directions @ offset if origins.ndim == 1 else _dot(offset, directions)
         beside = _dot(offset, offset) - along**2
         near = np.flatnonzero((beside <= self._radius**2) & (along >= -self._radius))
@@ -66,7 +64,7 @@ class Solid:
         return normal_maps(self.shape.vertices, self.shape.faces, self.smooth)
 
     @cached_property
-    def _centre(self) -> Floats:
+    def _center(self) -> Floats:
         return np.asarray(self.pose[:3, :3] @ self.shape.bounds.mean(axis=0) + self.pose[:3, 3])
 
     @cached_property
@@ -76,12 +74,12 @@ class Solid:
 
 @dataclass(frozen=True)
 class Floor:
-    """The ground plane z = `height` with a grid every `grid` metres, fading out with distance."""
+    """The ground plane z = `height` with a grid every `grid` meters, fading out with distance."""
 
     height: float = 0.0
     color: Color = (0.91, 0.91, 0.90)
     grid: float = 1.0
-    fade: float = 40.0  # metres
+    fade: float = 40.0  # meters
 
     def hits(self, origin: Floats, directions: Floats) -> Floats:
         """Distances (n,) of the plane along rays (n, 3) from one origin, infinite for none."""
@@ -91,7 +89,7 @@ class Floor:
         return np.where((down != 0) & (t > 0), t, np.inf)
 
     def albedo(self, points: Floats, footprint: Floats) -> Floats:
-        """Linear colours (n, 3) at points of the plane seen by pixels so many metres wide (n,)."""
+        """Linear colors (n, 3) at points of the plane seen by pixels so many meters wide (n,)."""
         dark = 1.0 - 0.3 * np.maximum(*(self._line(points[:, k], footprint) for k in (0, 1)))
         return np.asarray(to_linear(self.color) * dark[:, None])
 

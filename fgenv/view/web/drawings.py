@@ -1,4 +1,4 @@
-"""What can be drawn of a moment of a simulator's world, as lines or dots with a colour each."""
+"""What can be drawn of a moment of a simulator's world, as lines or dots with a color each."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from functools import cached_property
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
 from fgenv.envs.native_config import directions, lidar_of
 from fgenv.scenarios import bounds
 from fgenv.view.figures.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
-from fgenv.view.figures.surfaces import Floats
 from fgenv.view.mask_links import AHEAD, links, set_masks
 
-Drawn = tuple[Floats, list[Color]]  # segments (n, 2, 3) or points (n, 3), metres, and n colours
+Drawn = tuple[Floats, list[Color]]  # segments (n, 2, 3) or points (n, 3), meters, and n colors
 
 GONE = 2  # of a simulator's status
-ABOVE = 0.05  # metres that lines of masks are over their robot
+ABOVE = 0.05  # meters that lines of masks are over their robot
 ENDS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
 BOX_EDGES = np.array([(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit])
 
@@ -111,7 +111,7 @@ def masks(moment: Moment) -> Drawn:
 
 
 def top(world: World, robot: str) -> float:
-    """How high a robot reaches, metres."""
+    """How high a robot reaches, meters."""
     return max(float(bounds(world.record(part))[1][2]) for part in world.parts(robot).tolist())
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.view.figures.palette import Color
-from fgenv.view.figures.surfaces import Floats
 
 from .meshes import line_rgb, rgb
 
@@ -24,7 +24,7 @@ class Lines:
         self._handle: LineSegmentsHandle | None = None
 
     def draw(self, ends: Floats, colors: Sequence[Color]) -> None:
-        """In place of what was there: segments (n, 2, 3), a colour each."""
+        """In place of what was there: segments (n, 2, 3), a color each."""
         if not len(ends):
             self.wipe()
             return
@@ -46,14 +46,14 @@ class Lines:
 
 
 class Dots:
-    """Points, `size` metres wide."""
+    """Points, `size` meters wide."""
 
     def __init__(self, scene: SceneApi, name: str, size: float) -> None:
         self._scene, self._name, self._size = scene, name, size
         self._handle: PointCloudHandle | None = None
 
     def draw(self, points: Floats, colors: Sequence[Color]) -> None:
-        """In place of what was there: points (n, 3), a colour each."""
+        """In place of what was there: points (n, 3), a color each."""
         if not len(points):
             self.wipe()
             return

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.envs import Simulator
-from fgenv.view.figures.surfaces import Floats
 
 from .overlays import Overlays
 from .scenery import Scenery
@@ -35,7 +35,7 @@ class Live:
     `show` waits while it is paused in the browser, and lets single steps go.
 
     Args:
-        corners: (n, 3), metres, of more that the camera is to see.
+        corners: (n, 3), meters, of more that the camera is to see.
         port: 0: any that is free.
 
     Raises:
@@ -116,7 +116,7 @@ class Live:
             self.refresh(world)
 
     def rest(self, seconds: float, world: int = 0) -> None:
-        """Show what is for a while, at least until it goes on; or till a new episode is wanted."""
+        """Show the current state for a while, or until the viewer asks for a new episode."""
         end = time.monotonic() + seconds
         while not self.restart.is_set() and (time.monotonic() < end or not self._go.is_set()):
             self.refresh(world)

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.arrays import Floats, Floats32
 from fgenv.collision import Shape
 from fgenv.view.figures.normals import corner_normals
 from fgenv.view.figures.palette import Color, to_linear
-from fgenv.view.figures.surfaces import SMOOTH, Floats
+from fgenv.view.figures.surfaces import SMOOTH
 
 DIM = 0.45
-Single = NDArray[np.float32]
 
 
-def mesh_of(shape: Shape) -> tuple[Single, NDArray[np.uint32]]:
+def mesh_of(shape: Shape) -> tuple[Floats32, NDArray[np.uint32]]:
     """Vertices (v, 3) and faces (f, 3); a vertex on a sharp edge is there once for each side.
 
     A browser shades round whatever shares a vertex.
@@ -29,7 +29,7 @@ def mesh_of(shape: Shape) -> tuple[Single, NDArray[np.uint32]]:
     return vertices, place.reshape(-1, 3).astype(np.uint32)
 
 
-def quaternions(poses: Floats) -> Single:
+def quaternions(poses: Floats) -> Floats32:
     """Orientations of poses (..., 4, 4) as viser has them: w, x, y, z, (..., 4), w not below 0."""
     r = poses[..., :3, :3]
     trace = np.trace(r, axis1=-2, axis2=-1)
@@ -48,7 +48,7 @@ def quaternions(poses: Floats) -> Single:
 
 
 def many_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
-    """sRGB colours of batched meshes, (n, 3): viser takes their bytes for linear light.
+    """sRGB colors of batched meshes, (n, 3): viser takes their bytes for linear light.
 
     They are darkened, for viser's light is so strong that it washes them out.
     """
@@ -56,11 +56,11 @@ def many_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
 
 
 def line_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
-    """sRGB colours of lines, (n, 3): viser takes many, not one for all, for linear light too."""
+    """sRGB colors of lines, (n, 3): viser takes many, not one for all, for linear light too."""
     return np.rint(255 * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
 
 
 def rgb(color: Color) -> tuple[int, int, int]:
-    """An sRGB colour in bytes."""
+    """An sRGB color in bytes."""
     red, green, blue = (round(255 * c) for c in color)
     return red, green, blue

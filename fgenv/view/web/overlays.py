@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.envs import Simulator
 from fgenv.view.figures.palette import MARKED, robot_color, static_color
-from fgenv.view.figures.surfaces import Floats
 
 from . import drawings
 from .drawings import Drawn, Moment
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .scenery import Scenery
 
 TRAIL = 150  # steps
-LIFT = 0.015  # metres that trails are over the floor
+LIFT = 0.015  # meters that trails are over the floor
 WIDTHS = {  # pixels
     "trails": 2.5,
     "clearance lines": 3.0,
@@ -111,7 +111,7 @@ class Overlays:
         return ends[moved], [robot_color(i) for i in np.nonzero(moved)[1].tolist()]
 
     def _tint(self, moment: Moment) -> None:
-        """What stands and bears a mask bit in another colour, where masks are shown."""
+        """What stands and bears a mask bit in another color, where masks are shown."""
         if not self.on["masks"] and not self._tinted:
             return
         built = self.scenery.built

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import trimesh
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.envs import Record
 from fgenv.scenarios import Built
 from fgenv.view.contact_events import Meeting, meetings
 from fgenv.view.figures.palette import BLACK, robot_color
-from fgenv.view.figures.surfaces import Floats
 
 from .meshes import rgb
 from .scenery import Flock, Scenery

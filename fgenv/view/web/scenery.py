@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fgenv.arrays import Floats
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import Camera, overview
 from fgenv.view.figures.gallery import CLEAR, GHOST, GLASS, LIFT, corners_of
 from fgenv.view.figures.palette import INK, Color, robot_color, static_color
-from fgenv.view.figures.surfaces import Floats
 
 from .meshes import many_rgb, mesh_of, quaternions, rgb
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from fgenv.collision import Shape
 
-EDGE = 0.5  # metres that the scale bar is off what stands
+EDGE = 0.5  # meters that the scale bar is off what stands
 
 
 class Flock:
@@ -55,7 +55,7 @@ class Flock:
             self.handle.batched_scales = self._scales = scales
 
     def paint(self, colors: Sequence[Color]) -> None:
-        """In other colours, (n,)."""
+        """In other colors, (n,)."""
         self.handle.batched_colors = many_rgb(colors)
 
 
@@ -94,7 +94,7 @@ class Scenery:
     """All of a scenario in a scene.
 
     Args:
-        corners: (n, 3), metres, of more that the camera is to see.
+        corners: (n, 3), meters, of more that the camera is to see.
 
     Attributes:
         robots, goals: fleets that can be moved.
@@ -127,7 +127,7 @@ class Scenery:
             flock.move(poses[at])
 
     def paint_standing(self, colors: Sequence[Color]) -> None:
-        """What stands in other colours, one for each body."""
+        """What stands in other colors, one for each body."""
         for flock, at in self._standing:
             flock.paint([colors[i] for i in at])
 
@@ -145,7 +145,7 @@ class Scenery:
         self.move_standing(self.built.poses)
 
     def _ground(self) -> None:
-        """A floor with a line each metre, a bar of a metre; the light is viser's own.
+        """A floor with a line each meter, a bar of a meter; the light is viser's own.
 
         Its player puts light back to viser's own whenever it starts over: any other would flash.
         """

@@ -36,7 +36,7 @@ def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.Vis
         ImportError: viser is missing, with the remedy.
     """
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port < 65536:
-        raise ValueError(f"port: {port!r}, wanted 0 to 65535")
+        raise ValueError(f"port: got {port!r}, expected 0 to 65535")
     module = viser_module()
     with quiet():
         server: viser.ViserServer = module.ViserServer(host, port, label, verbose=False)

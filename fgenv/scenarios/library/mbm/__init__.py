@@ -1,4 +1,4 @@
-"""Problems of MotionBenchMaker for the Franka Panda; their origin and licence are in NOTICE."""
+"""Problems of MotionBenchMaker for the Franka Panda; their origin and license are in NOTICE."""
 
 from __future__ import annotations
 
