@@ -29,12 +29,12 @@ extern const Kernels table;
 
 namespace {
 
-#define LAW(condition)                                                              \
-    do {                                                                            \
-        if (!(condition)) {                                                         \
+#define LAW(condition)                                                                   \
+    do {                                                                                 \
+        if (!(condition)) {                                                              \
             std::fprintf(stderr, "%s:%d: broken: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                           \
-        }                                                                           \
+            std::abort();                                                                \
+        }                                                                                \
     } while (false)
 
 // Meters. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
@@ -84,7 +84,8 @@ Mesh mesh_from(Reader& r, bool exact) {
             const Vec3 lo = r.point(exact), size = r.point(exact);
             for (int k = 0; k < 8; ++k)
                 v.push_back({lo.x + (k & 1) * size.x, lo.y + (k >> 1 & 1) * size.y, lo.z + (k >> 2) * size.z});
-            static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+            static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                            {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
             for (const auto& q : quads) {
                 f.push_back({first + q[0], first + q[1], first + q[2]});
                 f.push_back({first + q[0], first + q[2], first + q[3]});
@@ -93,11 +94,16 @@ Mesh mesh_from(Reader& r, bool exact) {
         for (int changes = r.byte() % 4; changes > 0; --changes) {
             const size_t at = r.byte() % f.size();
             const int what = r.byte() % 5;
-            if (what == 0 && f.size() > 1) f.erase(f.begin() + at);
-            else if (what == 1) std::swap(f[at][0], f[at][1]);
-            else if (what == 2) f.push_back(f[at]);
-            else if (what == 3) v[f[at][0]] = r.point(exact);
-            else v[f[at][0]] = 0.5 * (v[f[at][1]] + v[f[at][2]]);
+            if (what == 0 && f.size() > 1)
+                f.erase(f.begin() + at);
+            else if (what == 1)
+                std::swap(f[at][0], f[at][1]);
+            else if (what == 2)
+                f.push_back(f[at]);
+            else if (what == 3)
+                v[f[at][0]] = r.point(exact);
+            else
+                v[f[at][0]] = 0.5 * (v[f[at][1]] + v[f[at][2]]);
         }
     }
     for (Vec3& p : v)
@@ -115,8 +121,8 @@ void check_mesh(const Mesh& m) {
         LAW(e.a < e.b && e.faces_around >= 1 && e.face[0] >= 0 && (e.face[1] >= 0) == (e.faces_around > 1));
     }
     LAW(sides == 3 * m.faces.size());
-    const bool two_sided = std::all_of(m.edges.begin(), m.edges.end(),
-                                       [](const Edge& e) { return e.opposed || e.faces_around != 2; });
+    const bool two_sided =
+        std::all_of(m.edges.begin(), m.edges.end(), [](const Edge& e) { return e.opposed || e.faces_around != 2; });
     LAW(two_sided || !m.watertight);
     if (!two_sided) return;  // wound anew each time it is read
     const Mesh again = read_mesh(m.vertices, m.faces);
@@ -249,8 +255,8 @@ void check_pair(const Kernels& k, const Shape& a, const Shape& b, const Rigid& p
     const bool meet = surfaces_meet(in_a, in_b);
     const double reach = a.reach + b.reach + std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]);
     LAW(hit == (w.side != Witness::none));
-    LAW(!hit || contained || meet);             // nothing is made up
-    if (meet && !hit && !exact) {               // coplanar faces, placed, are so only within rounding
+    LAW(!hit || contained || meet);  // nothing is made up
+    if (meet && !hit && !exact) {    // coplanar faces, placed, are so only within rounding
         Rigid nudged = pose;
         for (int axis = 0; axis < 3 && meet; ++axis)
             for (int sign = -1; sign <= 1; sign += 2) {
@@ -259,12 +265,12 @@ void check_pair(const Kernels& k, const Shape& a, const Shape& b, const Rigid& p
                 if (!surfaces_meet(in_a, placed(b.mesh, &nudged))) return;
             }
     }
-    LAW(!meet || hit);                          // nothing is missed
+    LAW(!meet || hit);  // nothing is missed
     const bool chosen = k.collide(a, b, pose, false, nullptr);
     const bool loop = a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop;
-    LAW(loop || !chosen || hit);                // a coarser graph makes nothing up
+    LAW(loop || !chosen || hit);  // a coarser graph makes nothing up
     const Nearest near = k.nearest(a, b, pose, HUGE_VAL, false);
-    if (reach > 1e12) return;                   // beyond, floats decide too little to compare
+    if (reach > 1e12) return;  // beyond, floats decide too little to compare
     LAW(near.face_a >= 0 && near.face_b >= 0 && near.squared >= 0);
     if (meet) return;
     const double truth = gap(in_a, in_b), found = std::sqrt(near.squared);
@@ -298,7 +304,8 @@ void check_isas(const Shape& a, const Shape& b, const Rigid& pose) {
         LAW(one.collide(a, b, pose, lossless, nullptr) == two.collide(a, b, pose, lossless, nullptr));
     const Nearest m = one.nearest(a, b, pose, HUGE_VAL, false), n = two.nearest(a, b, pose, HUGE_VAL, false);
     LAW(same(m.squared, n.squared) && m.on_a == n.on_a && m.on_b == n.on_b);  // faces that tie may differ
-    const RayHit g = one.raycast(a, {0.1, 0.2, 0.3}, {0.6, 0.8, 0}, 1e9), h = two.raycast(a, {0.1, 0.2, 0.3}, {0.6, 0.8, 0}, 1e9);
+    const RayHit g = one.raycast(a, {0.1, 0.2, 0.3}, {0.6, 0.8, 0}, 1e9),
+                 h = two.raycast(a, {0.1, 0.2, 0.3}, {0.6, 0.8, 0}, 1e9);
     LAW(same(g.distance, h.distance) && g.face == h.face);
 }
 #endif

@@ -42,8 +42,8 @@ std::string keep(const std::string& folder, const char* what, const Input& input
     char name[40];
     std::snprintf(name, sizeof name, "%s%016llx", what, static_cast<unsigned long long>(hash));
     const std::string path = folder.empty() ? name : folder + "/" + name;
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(input.data()),
-                                                static_cast<std::streamsize>(input.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(input.data()), static_cast<std::streamsize>(input.size()));
     return path;
 }
 
@@ -76,7 +76,8 @@ Input mutated(const std::vector<Input>& corpus, std::mt19937_64& random) {
             default: {  // the end of another
                 const Input& other = corpus[below(corpus.size())];
                 out.resize(at);
-                if (at < other.size()) out.insert(out.end(), other.begin() + static_cast<std::ptrdiff_t>(at), other.end());
+                if (at < other.size())
+                    out.insert(out.end(), other.begin() + static_cast<std::ptrdiff_t>(at), other.end());
             }
         }
     }
@@ -101,11 +102,16 @@ int main(int count, char** arguments) {
     std::signal(SIGABRT, on_abort);
     for (int i = 1; i < count; ++i) {
         const std::string argument = arguments[i];
-        if (argument.rfind("-max_total_time=", 0) == 0) seconds = std::atof(argument.c_str() + 16);
-        else if (argument.rfind("-seed=", 0) == 0) seed = std::strtoull(argument.c_str() + 6, nullptr, 10);
-        else if (std::filesystem::is_directory(argument)) folder = argument;
-        else if (std::filesystem::is_regular_file(argument)) run(read(argument)), ++replayed;
-        else return std::fprintf(stderr, "%s: no such option, folder or file\n", arguments[i]), 2;
+        if (argument.rfind("-max_total_time=", 0) == 0)
+            seconds = std::atof(argument.c_str() + 16);
+        else if (argument.rfind("-seed=", 0) == 0)
+            seed = std::strtoull(argument.c_str() + 6, nullptr, 10);
+        else if (std::filesystem::is_directory(argument))
+            folder = argument;
+        else if (std::filesystem::is_regular_file(argument))
+            run(read(argument)), ++replayed;
+        else
+            return std::fprintf(stderr, "%s: no such option, folder or file\n", arguments[i]), 2;
     }
     if (replayed) return std::printf("%zu inputs: no law broken\n", replayed), 0;
 
@@ -129,6 +135,6 @@ int main(int count, char** arguments) {
         corpus.push_back(current);
         if (!folder.empty()) keep(folder, "", current);
     }
-    std::printf("%zu runs in %.0f s, %zu inputs kept, %zu places in the code reached\n", runs, elapsed(),
-                corpus.size(), places);
+    std::printf("%zu runs in %.0f s, %zu inputs kept, %zu places in the code reached\n", runs, elapsed(), corpus.size(),
+                places);
 }

@@ -168,6 +168,6 @@ int main(int count, char** arguments) {
     for (std::thread& t : team) t.join();
     LAW(world.size() == bodies);
     agree(world);
-    std::printf("%lld rounds of queries beside the changes, %lld pairs tested\n",
-                static_cast<long long>(asked), static_cast<long long>(world.tests()));
+    std::printf("%lld rounds of queries beside the changes, %lld pairs tested\n", static_cast<long long>(asked),
+                static_cast<long long>(world.tests()));
 }

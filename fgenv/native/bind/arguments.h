@@ -16,7 +16,8 @@ static inline int threads_of(nb::handle value) {
 // Finite and not below 0.
 static inline double meters_of(double value, const char* name) {
     if (!(value >= 0) || std::isinf(value))
-        throw nb::value_error((std::string(name) + ": " + std::to_string(value) + ", expected meters, 0 or more").c_str());
+        throw nb::value_error(
+            (std::string(name) + ": " + std::to_string(value) + ", expected meters, 0 or more").c_str());
     return value;
 }
 
@@ -26,7 +27,6 @@ static inline Vec3 direction_of(const double* v) {
     const double most = greater(greater(std::fabs(v[0]), std::fabs(v[1])), std::fabs(v[2]));
     return unit({v[0] / most, v[1] / most, v[2] / most});
 }
-
 
 static inline Dims rows_of(const Array<double>& points) { return {points.dims.begin(), points.dims.end() - 1}; }
 

@@ -56,17 +56,15 @@ double determinant(const double* m) {
 constexpr double farthest = 1e12;  // meters
 
 bool is_rigid(const double* m) {
-    return std::fabs(m[3]) <= farthest && std::fabs(m[7]) <= farthest && std::fabs(m[11]) <= farthest &&
-           m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && skewness(m) <= rigid_tolerance &&
-           determinant(m) > 0;
+    return std::fabs(m[3]) <= farthest && std::fabs(m[7]) <= farthest && std::fabs(m[11]) <= farthest && m[12] == 0 &&
+           m[13] == 0 && m[14] == 0 && m[15] == 1 && skewness(m) <= rigid_tolerance && determinant(m) > 0;
 }
 
 // What is wrong with a pose that is not rigid.
 const char* fault(const double* m, double& value) {
     for (int i = 0; i < 16; ++i)
         if (!std::isfinite(m[i])) return value = m[i], "has an entry that is not finite";
-    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
-        return value = m[15], "has a last row other than 0 0 0 1";
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) return value = m[15], "has a last row other than 0 0 0 1";
     for (int i = 3; i < 12; i += 4)
         if (std::fabs(m[i]) > farthest) return value = m[i], "is over 1e12 m from the origin";
     value = determinant(m);
@@ -124,8 +122,7 @@ Poses poses(nb::handle value, const char* name) {
     const Array<double>& array = out.array;
     const size_t n = array.dims.size();
     if (n < 2 || array.dims[n - 1] != 4 || array.dims[n - 2] != 4)
-        bad_value(std::string(name) + ": shape " + to_string(array.dims) +
-                  ", expected (..., 4, 4), homogeneous poses");
+        bad_value(std::string(name) + ": shape " + to_string(array.dims) + ", expected (..., 4, 4), homogeneous poses");
     out.dims.assign(array.dims.begin(), array.dims.end() - 2);
     for (size_t i = 0; i < out.size(); ++i) {
         const double* m = array.data() + 16 * i;

@@ -19,8 +19,11 @@ constexpr int64_t hear = 64;  // callbacks between two looks for Ctrl-C
 class BoundChecker {
 public:
     BoundChecker(nb::object world, std::vector<Member> members, const MotionSettings& settings)
-        : world_(nb::cast<const World&>(world)), kept_(std::move(world)), checker(world_, std::move(members), settings),
-          from_(checker.size()), to_(checker.size()) {}
+        : world_(nb::cast<const World&>(world)),
+          kept_(std::move(world)),
+          checker(world_, std::move(members), settings),
+          from_(checker.size()),
+          to_(checker.size()) {}
 
     void serve(nb::object serialize) {
         serialize_ = std::move(serialize);
@@ -88,8 +91,10 @@ private:
     void end() {
         if (stop_.is_none()) return;
         PyObject* done = PyObject_CallNoArgs(stop_.ptr());
-        if (done) Py_DECREF(done);
-        else PyErr_Clear();
+        if (done)
+            Py_DECREF(done);
+        else
+            PyErr_Clear();
     }
     void read(PyObject* state, const nb::object& into) {
         if (!serialize_.is_valid()) throw std::invalid_argument("serve: not called yet");
@@ -124,14 +129,16 @@ PyObject* call_clearance(PyObject* self, PyObject* const* args, Py_ssize_t n) {
 
 template <auto F>
 nb::object callable(nb::handle self, const char* name) {
-    static PyMethodDef def{name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(F)), METH_FASTCALL, nullptr};
+    static PyMethodDef def{name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(F)), METH_FASTCALL,
+                           nullptr};
     return nb::steal(PyCFunction_NewEx(&def, self.ptr(), nullptr));
 }
 
 std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, const std::vector<int>& sizes,
-                               const std::vector<int>& ways, const std::vector<double>& radii, const std::vector<bool>& reverse,
-                               const std::vector<std::vector<double>>& rooms) {
-    if (sizes.size() != all.size() || ways.size() != all.size() || radii.size() != all.size() || reverse.size() != all.size())
+                               const std::vector<int>& ways, const std::vector<double>& radii,
+                               const std::vector<bool>& reverse, const std::vector<std::vector<double>>& rooms) {
+    if (sizes.size() != all.size() || ways.size() != all.size() || radii.size() != all.size() ||
+        reverse.size() != all.size())
         fail("robots: sizes, ways, radii or reverse of another length");
     if (!rooms.empty() && rooms.size() != all.size()) fail("rooms: of another length");
     std::vector<Member> out;
@@ -141,10 +148,11 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
         const Model model = w.body(id).robot;
         if (ways[i] < 0 || ways[i] > 3 || !(radii[i] > 0)) fail("ways, radii: expected 0 to 3, meters over 0");
         const bool free = model && model->joints[0].kind == JointKind::free;
-        const bool fits = model ? sizes[i] == model->nq() || (free && sizes[i] == model->nq() - 3) : sizes[i] == 3 || sizes[i] == 7;
+        const bool fits =
+            model ? sizes[i] == model->nq() || (free && sizes[i] == model->nq() - 3) : sizes[i] == 3 || sizes[i] == 7;
         if (!fits)
-            fail("robots: '" + w.body(id).name + "' with states of " + std::to_string(sizes[i]) + " numbers, expected " +
-                 (model ? std::to_string(model->nq()) : std::string("3 (SE2) or 7 (SE3)")));
+            fail("robots: '" + w.body(id).name + "' with states of " + std::to_string(sizes[i]) +
+                 " numbers, expected " + (model ? std::to_string(model->nq()) : std::string("3 (SE2) or 7 (SE3)")));
         const bool planar = model && model->joints[0].kind == JointKind::planar;
         if (ways[i] != 0 && !planar) fail("ways: '" + w.body(id).name + "' has no planar base, and goes straight");
         for (const Member& m : out)
@@ -163,8 +171,10 @@ void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const
     const World& w = nb::cast<const World&>(world);
     MotionSettings s;
     if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", expected meters, 0 or more");
-    if (!(tolerance > 0) || std::isinf(tolerance)) fail("tolerance: " + number(tolerance) + ", expected meters, over 0");
-    if (!(resolution >= 0) || std::isinf(resolution)) fail("resolution: " + number(resolution) + ", expected meters, over 0");
+    if (!(tolerance > 0) || std::isinf(tolerance))
+        fail("tolerance: " + number(tolerance) + ", expected meters, over 0");
+    if (!(resolution >= 0) || std::isinf(resolution))
+        fail("resolution: " + number(resolution) + ", expected meters, over 0");
     s.certify.margin = margin;
     s.certify.tolerance = tolerance;
     s.resolution = resolution;
@@ -205,12 +215,14 @@ nb::object answers(const BoundChecker& b, const Broadcast& shape, const F& ask) 
 
 nb::object valid_all(BoundChecker& b, nb::handle q) {
     const States at = states(q, b.checker.size(), "q");
-    return answers<bool>(b, broadcast({{"q", at.dims}}), [&](int64_t i) { return b.checker.valid(at.row(i, b.checker.size())); });
+    return answers<bool>(b, broadcast({{"q", at.dims}}),
+                         [&](int64_t i) { return b.checker.valid(at.row(i, b.checker.size())); });
 }
 
 nb::object clearance_all(BoundChecker& b, nb::handle q) {
     const States at = states(q, b.checker.size(), "q");
-    return answers<double>(b, broadcast({{"q", at.dims}}), [&](int64_t i) { return b.checker.clearance(at.row(i, b.checker.size())); });
+    return answers<double>(b, broadcast({{"q", at.dims}}),
+                           [&](int64_t i) { return b.checker.clearance(at.row(i, b.checker.size())); });
 }
 
 nb::object free_all(BoundChecker& b, nb::handle q0, nb::handle q1) {
@@ -226,7 +238,8 @@ nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb:
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     if (!from.dims.empty() || !to.dims.empty()) fail("q0, q1: expected one configuration each");
     if (way < 0 || way > 3 || !(radius > 0)) fail("way, radius: expected 0 to 3, meters over 0");
-    if (way != 0 && robot.joints[0].kind != JointKind::planar) fail("way: the robot has no planar base, and goes straight");
+    if (way != 0 && robot.joints[0].kind != JointKind::planar)
+        fail("way: the robot has no planar base, and goes straight");
     std::vector<double> rows;
     legs(robot, {static_cast<Way>(way), radius, reverse}, from.row(0), to.row(0), rows);
     return copy_out(rows.data(), {static_cast<int64_t>(rows.size()) / robot.nq()}, {robot.nq()});
@@ -238,11 +251,14 @@ void bind_checker(nb::module_& m) {
     nb::class_<BoundChecker>(m, "Checker")
         .def("__init__", &make_checker, "world"_a, "robots"_a.none(), "sizes"_a, "ways"_a, "radii"_a, "reverse"_a,
              "margin"_a, "tolerance"_a, "resolution"_a, "rooms"_a = std::vector<std::vector<double>>{})
-        .def("serve", [](nb::handle self, nb::object serialize) {
-            nb::cast<BoundChecker&>(self).serve(std::move(serialize));
-            return nb::make_tuple(callable<&call_valid>(self, "isValid"), callable<&call_free>(self, "checkMotion"),
-                                  callable<&call_clearance>(self, "clearance"));
-        }, "serialize"_a)
+        .def(
+            "serve",
+            [](nb::handle self, nb::object serialize) {
+                nb::cast<BoundChecker&>(self).serve(std::move(serialize));
+                return nb::make_tuple(callable<&call_valid>(self, "isValid"), callable<&call_free>(self, "checkMotion"),
+                                      callable<&call_clearance>(self, "clearance"));
+            },
+            "serialize"_a)
         .def("watch", &BoundChecker::watch, "stop"_a.none(), "most"_a)
         .def("valid", &valid_all, "q"_a.none())
         .def("free", &free_all, "q0"_a.none(), "q1"_a.none())

@@ -15,12 +15,14 @@ using namespace nb::literals;
 
 int64_t cell_of(nb::handle value, const char* name, const Grid& grid) {
     const Array<int64_t> at = indices(value, name);
-    if (at.dims != Dims{3}) fail(std::string(name) + ": shape " + to_string(at.dims) + ", expected (3,): layer, row, column");
+    if (at.dims != Dims{3})
+        fail(std::string(name) + ": shape " + to_string(at.dims) + ", expected (3,): layer, row, column");
     const int64_t within[] = {grid.layers, grid.rows, grid.columns};
     int64_t cell = 0;
     for (int k = 0; k < 3; ++k) {
         const int64_t i = at.data()[k];
-        if (i < 0 || i >= within[k]) fail(std::string(name) + "[" + std::to_string(k) + "] is " + std::to_string(i) + ", outside of the grid");
+        if (i < 0 || i >= within[k])
+            fail(std::string(name) + "[" + std::to_string(k) + "] is " + std::to_string(i) + ", outside of the grid");
         cell = cell * within[k] + i;
     }
     return cell;
@@ -32,7 +34,8 @@ nb::object way(nb::handle prices, nb::handle from, nb::handle to) {
         fail("prices: shape " + to_string(p.dims) + ", expected (1 or 8, rows, columns)");
     for (size_t i = 0; i < p.view.size(); ++i)
         if (!(p.data()[i] >= 1))
-            fail("prices" + index_text(p.dims, static_cast<int64_t>(i)) + " is " + number(p.data()[i]) + ", expected 1 or more");
+            fail("prices" + index_text(p.dims, static_cast<int64_t>(i)) + " is " + number(p.data()[i]) +
+                 ", expected 1 or more");
     const Grid grid{p.dims[0], p.dims[1], p.dims[2], p.data()};
     const int64_t begin = cell_of(from, "start", grid), end = cell_of(to, "goal", grid);
     std::vector<int64_t> cells;

@@ -5,8 +5,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "bind/arguments.h"
-#include "policy/network.h"
 #include "bind/parallel.h"
+#include "policy/network.h"
 
 namespace fgenv {
 namespace {
@@ -21,7 +21,8 @@ constexpr int64_t chunk = 16;      // rows
 std::vector<double> finite(const Array<double>& a, const std::string& name) {
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) + ", expected a finite number");
+            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) +
+                 ", expected a finite number");
     return {a.data(), a.data() + a.view.size()};
 }
 
@@ -39,7 +40,8 @@ Layer layer_of(nb::handle weights, nb::handle offsets, const std::string& activa
         fail(name + ": weights of shape " + to_string(w.dims) + ", expected (inputs, outputs)");
     if (b.dims != Dims{w.dims[1]})
         fail(name + ": offsets of shape " + to_string(b.dims) + ", expected " + to_string({w.dims[1]}));
-    return {w.dims[0], w.dims[1], finite(w, name + ": weights"), finite(b, name + ": offsets"), activation_of(activation)};
+    return {w.dims[0], w.dims[1], finite(w, name + ": weights"), finite(b, name + ": offsets"),
+            activation_of(activation)};
 }
 
 void make_network(Network* self, nb::sequence layers) {
@@ -51,7 +53,8 @@ void make_network(Network* self, nb::sequence layers) {
         if (network.layers.size() < 2) continue;
         const int64_t before = network.layers[network.layers.size() - 2].outputs, inputs = network.layers.back().inputs;
         if (inputs != before)
-            fail(name + ": takes " + std::to_string(inputs) + " numbers, the layer before gives " + std::to_string(before));
+            fail(name + ": takes " + std::to_string(inputs) + " numbers, the layer before gives " +
+                 std::to_string(before));
     }
     if (network.layers.empty()) fail("layers: none, expected one at least");
     new (self) Network(std::move(network));
@@ -66,9 +69,12 @@ nb::object run(const Network& network, nb::handle rows, nb::handle threads) {
     const Dims dims = rows_of(x);
     Output<double> out = make_output<double>(dims, {network.outputs()});
     const int64_t n = static_cast<int64_t>(x.view.size()) / network.inputs();
-    parallel_for(n, n_threads, [&](int64_t first, int64_t last) {
-        network.run(x.data() + first * network.inputs(), last - first, out.data + first * network.outputs());
-    }, chunk);
+    parallel_for(
+        n, n_threads,
+        [&](int64_t first, int64_t last) {
+            network.run(x.data() + first * network.inputs(), last - first, out.data + first * network.outputs());
+        },
+        chunk);
     return nb::cast(out.array);
 }
 

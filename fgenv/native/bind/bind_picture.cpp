@@ -115,8 +115,13 @@ View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t w
              ", expected 1 or more, and at most " + std::to_string(most_pixels) + " pixels");
     const Vec3 from = vectors(eye, "eye", 1)[0];
     if (!(norm(from) <= farthest)) fail("eye: over 1e12 m from the origin");
-    return {from, rows[0], rows[1], rows[2], positive(pixels_per_slope, "pixels_per_slope"),
-            static_cast<int>(width), static_cast<int>(height)};
+    return {from,
+            rows[0],
+            rows[1],
+            rows[2],
+            positive(pixels_per_slope, "pixels_per_slope"),
+            static_cast<int>(width),
+            static_cast<int>(height)};
 }
 
 nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::handle axes, double pixels_per_slope,
@@ -125,15 +130,18 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
     const Poses array = poses(places, "poses");
     const int64_t n = static_cast<int64_t>(self.scene.bodies.size());
     if (array.dims != Dims{n})
-        fail("poses: shape " + to_string(array.array.dims) + ", expected " + to_string({n, 4, 4}) + ", one for each body");
+        fail("poses: shape " + to_string(array.array.dims) + ", expected " + to_string({n, 4, 4}) +
+             ", one for each body");
     if (samples < 1 || samples > most_samples)
         fail("samples: " + std::to_string(samples) + ", expected 1 to " + std::to_string(most_samples));
     const int n_threads = threads_of(threads);
     Picture picture(self.scene, array.all(), view_of(eye, axes, pixels_per_slope, width, height), ground_of(floor),
                     marks_of(marks), {static_cast<int>(samples), contrast});
     Output<uint8_t> out = make_output<uint8_t>({height, width, 3});
-    parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.look(a, b); }, chunk);
-    parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.finish(a, b, out.data); }, chunk);
+    parallel_for(
+        picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.look(a, b); }, chunk);
+    parallel_for(
+        picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.finish(a, b, out.data); }, chunk);
     return nb::cast(out.array);
 }
 
@@ -141,8 +149,8 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
 
 void bind_picture(nb::module_& m) {
     nb::class_<Painter>(m, "Painter")
-        .def("__init__", &make_painter, "shapes"_a, "maps"_a, "which"_a, "colors"_a, "sun"_a, "strength"_a,
-             "ambient"_a, "sky"_a)
+        .def("__init__", &make_painter, "shapes"_a, "maps"_a, "which"_a, "colors"_a, "sun"_a, "strength"_a, "ambient"_a,
+             "sky"_a)
         .def("paint", &paint, "poses"_a.none(), "eye"_a, "axes"_a, "pixels_per_slope"_a, "width"_a, "height"_a,
              "floor"_a.none(), "marks"_a, "samples"_a, "contrast"_a, "threads"_a.none());
 }

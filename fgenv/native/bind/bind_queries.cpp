@@ -2,9 +2,9 @@
 #include "bind/bind.h"
 
 #include "bind/arguments.h"
+#include "bind/parallel.h"
 #include "query/contact.h"
 #include "query/kernels.h"
-#include "bind/parallel.h"
 
 namespace fgenv {
 namespace {
@@ -18,8 +18,7 @@ const Shape& shape_of(nb::handle value, const char* name) {
     return *shape;
 }
 
-nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, double margin,
-                   nb::handle threads) {
+nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, double margin, nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     meters_of(margin, "margin");
@@ -124,8 +123,8 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
     return nb::cast(out.array);
 }
 
-nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T,
-                   double max_distance, nb::handle threads) {
+nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T, double max_distance,
+                   nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
     const Poses t = poses(T, "T");
     if (!(max_distance >= 0)) throw nb::value_error("max_distance: expected meters, 0 or more");
@@ -139,8 +138,8 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
             const double* p = o.data() + 3 * shape.offset(0, i);
             const double* v = d.data() + 3 * shape.offset(1, i);
             const Rigid& pose = inverses[shape.offset(2, i)];
-            const RayHit hit = kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}),
-                                                 rotate(pose, direction_of(v)), max_distance);
+            const RayHit hit =
+                kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}), rotate(pose, direction_of(v)), max_distance);
             at.data[i] = hit.distance;
             face.data[i] = hit.face;
         }
@@ -151,7 +150,8 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0, "threads"_a = nb::none(),
+    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0,
+          "threads"_a = nb::none(),
           R"(Whether two posed shapes collide.
 
 Exact for shapes of method `exact`; touching counts, and so does being inside a watertight shape.

@@ -5,8 +5,8 @@
 
 #include "bind/arguments.h"
 #include "bind/configurations.h"
-#include "robot/link_motion.h"
 #include "bind/parallel.h"
+#include "robot/link_motion.h"
 
 namespace fgenv {
 namespace {
@@ -52,7 +52,8 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
         joint.kind = static_cast<JointKind>(kinds[i]);
         joint.parent = parents[i];
         joint.first = firsts[i];
-        const bool base = joint.parent < 0, base_kind = joint.kind == JointKind::planar || joint.kind == JointKind::free;
+        const bool base = joint.parent < 0,
+                   base_kind = joint.kind == JointKind::planar || joint.kind == JointKind::free;
         if (base != (i == 0) || joint.parent >= static_cast<int>(i) || (base_kind && !base))
             fail("parents: expected a base, then joints with their parents before them");
         if (joint.first < 0 || joint.first + size(joint.kind) > static_cast<int>(names.size()))
@@ -89,8 +90,10 @@ nb::object forward_all(const Robot& robot, nb::handle q, nb::handle threads) {
             for (int32_t k = 0; k < links; ++k) write_pose(poses[k], out.data + 16 * (i * links + k));
         }
     };
-    if (c.dims.empty()) run(0, 1);
-    else parallel_for(broadcast({{"q", c.dims}}).size, n_threads, run);
+    if (c.dims.empty())
+        run(0, 1);
+    else
+        parallel_for(broadcast({{"q", c.dims}}).size, n_threads, run);
     return nb::cast(out.array);
 }
 
@@ -123,15 +126,18 @@ nb::object interpolate_all(const Robot& robot, nb::handle q0, nb::handle q1, nb:
         for (int64_t i = first; i < last; ++i)
             interpolate(robot, way.q0(i), way.q1(i), way.fraction(i), out.data + i * robot.nq());
     };
-    if (way.shape.dims.empty()) run(0, 1);
-    else parallel_for(way.shape.size, n_threads, run);
+    if (way.shape.dims.empty())
+        run(0, 1);
+    else
+        parallel_for(way.shape.size, n_threads, run);
     return nb::cast(out.array);
 }
 
 nb::object distance_all(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle weights) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     const Array<double> w = doubles(weights, "weights");
-    if (w.dims != Dims{robot.nq()}) fail("weights: shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
+    if (w.dims != Dims{robot.nq()})
+        fail("weights: shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
     if (shape.dims.empty()) return nb::cast(distance(robot, w.data(), from.row(0), to.row(0)));
     Output<double> out = make_output<double>(shape.dims);

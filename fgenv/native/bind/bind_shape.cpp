@@ -1,7 +1,6 @@
 // Python classes of a shape and its feature graph.
 #include "bind/bind.h"
 
-
 #include <numbers>
 
 #include "bind/arrays.h"
@@ -44,8 +43,8 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
         for (int k = 0; k < 3; ++k) {
             const int64_t index = f.data()[3 * i + k];
             if (index < 0 || index >= n)
-                fail("faces[" + std::to_string(i) + "]: vertex " + std::to_string(index) +
-                     " of a mesh with " + std::to_string(n) + " vertices");
+                fail("faces[" + std::to_string(i) + "]: vertex " + std::to_string(index) + " of a mesh with " +
+                     std::to_string(n) + " vertices");
             triangles[i][k] = static_cast<int32_t>(index);
         }
     nb::gil_scoped_release released;
@@ -89,8 +88,8 @@ nb::object packed_adjacency(const Graph& g) {
     const int64_t n = static_cast<int64_t>(g.points.size());
     const int64_t bits = n * (n - 1) / 2;
     if (bits > (int64_t{1} << 33))
-        throw nb::value_error(("adjacency: " + std::to_string(n) +
-                               " feature points make a matrix over 1 GiB; use edges").c_str());
+        throw nb::value_error(
+            ("adjacency: " + std::to_string(n) + " feature points make a matrix over 1 GiB; use edges").c_str());
     Output<uint8_t> out = make_output<uint8_t>({(bits + 7) / 8});
     for (const auto& e : g.graph.edges) {
         const int64_t i = std::min(e[0], e[1]), j = std::max(e[0], e[1]);
@@ -104,16 +103,16 @@ nb::object packed_adjacency(const Graph& g) {
 
 void bind_shape(nb::module_& m) {
     nb::class_<Graph>(m, "FeatureGraph")
-        .def("__init__",
-             [](Graph* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
-                double ridge, double tolerance) {
-                 Mesh mesh = mesh_from(vertices, faces);
-                 require_faces(mesh);
-                 new (self) Graph(
-                     graph_of(build_graph(mesh, settings_of(method, valley, ridge, tolerance)), mesh));
-             },
-             nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
-             nb::arg("tolerance"))
+        .def(
+            "__init__",
+            [](Graph* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
+               double ridge, double tolerance) {
+                Mesh mesh = mesh_from(vertices, faces);
+                require_faces(mesh);
+                new (self) Graph(graph_of(build_graph(mesh, settings_of(method, valley, ridge, tolerance)), mesh));
+            },
+            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
+            nb::arg("tolerance"))
         .def_prop_ro("points", [](const Graph& g) { return rows3(g.points); })
         .def_prop_ro("edges",
                      [](const Graph& g) {
@@ -129,16 +128,17 @@ void bind_shape(nb::module_& m) {
         .def_prop_ro("certificate", [](const Graph& g) { return g.graph.certificate; });
 
     nb::class_<Shape>(m, "Shape")
-        .def("__init__",
-             [](Shape* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
-                double ridge, double tolerance) {
-                 Mesh mesh = mesh_from(vertices, faces);
-                 require_faces(mesh);
-                 nb::gil_scoped_release released;
-                 new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance)));
-             },
-             nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
-             nb::arg("tolerance"))
+        .def(
+            "__init__",
+            [](Shape* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
+               double ridge, double tolerance) {
+                Mesh mesh = mesh_from(vertices, faces);
+                require_faces(mesh);
+                nb::gil_scoped_release released;
+                new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance)));
+            },
+            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
+            nb::arg("tolerance"))
         .def_prop_ro("vertices", [](const Shape& s) { return rows3(s.mesh.vertices); })
         .def_prop_ro("faces",
                      [](const Shape& s) {

@@ -45,17 +45,20 @@ Agent make_agent(const World& like, BodyId id, const std::string& drive, double 
     const int32_t nq = body.robot->nq();
     agent.drive.base = drive_of(drive);
     agent.drive.wheelbase = wheelbase;
-    for (const std::vector<double>& row : rows_of(limits, "limits", 3)) agent.drive.limits.push_back({row[0], row[1], row[2]});
+    for (const std::vector<double>& row : rows_of(limits, "limits", 3))
+        agent.drive.limits.push_back({row[0], row[1], row[2]});
     const auto vector = [&](nb::handle value, const char* name, int64_t n) {
         const Array<double> a = doubles(value, name);
-        if (a.dims != Dims{n}) fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
+        if (a.dims != Dims{n})
+            fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
         return std::vector<double>(a.data(), a.data() + n);
     };
     agent.drive.lower = vector(lower, "lower", nq);
     agent.drive.upper = vector(upper, "upper", nq);
     agent.starts = rows_of(starts, "starts", nq);
     agent.goals = rows_of(goals, "goals", nq);
-    if (agent.starts.empty() || agent.starts.size() != agent.goals.size()) fail("starts, goals: expected one a case each");
+    if (agent.starts.empty() || agent.starts.size() != agent.goals.size())
+        fail("starts, goals: expected one a case each");
     agent.position_tolerance = tolerance.first;
     agent.angle_tolerance = tolerance.second;
     agent.radius = radius;
@@ -121,9 +124,12 @@ std::vector<int32_t> worlds_of(const Simulator& sim, nb::handle value) {
 }
 
 void for_worlds(int64_t n, int threads, const std::function<void(int32_t)>& body) {
-    parallel_for(n, threads, [&](int64_t first, int64_t last) {
-        for (int64_t k = first; k < last; ++k) body(static_cast<int32_t>(k));
-    }, chunk);
+    parallel_for(
+        n, threads,
+        [&](int64_t first, int64_t last) {
+            for (int64_t k = first; k < last; ++k) body(static_cast<int32_t>(k));
+        },
+        chunk);
 }
 
 Dims per_robot(const Simulator& sim) { return {sim.n_worlds(), sim.n_agents()}; }
@@ -144,7 +150,8 @@ nb::object reset(Simulator& sim, nb::handle worlds, nb::handle seeds, nb::handle
 
 nb::object observe(const Simulator& sim, nb::handle worlds, nb::handle threads) {
     const std::vector<int32_t> which = worlds_of(sim, worlds);
-    Output<float> out = make_output<float>({static_cast<int64_t>(which.size()), sim.n_agents()}, {sim.observation_size()});
+    Output<float> out =
+        make_output<float>({static_cast<int64_t>(which.size()), sim.n_agents()}, {sim.observation_size()});
     const int64_t stride = int64_t(sim.n_agents()) * sim.observation_size();
     for_worlds(static_cast<int64_t>(which.size()), threads_of(threads),
                [&](int32_t k) { sim.observe(which[k], out.data + k * stride); });
@@ -154,10 +161,13 @@ nb::object observe(const Simulator& sim, nb::handle worlds, nb::handle threads) 
 nb::tuple step(Simulator& sim, nb::handle actions, nb::handle threads) {
     const Array<double> a = doubles(actions, "actions");
     const Dims expected{sim.n_worlds(), sim.n_agents(), sim.action_size()};
-    if (a.dims != expected) fail("actions: shape " + to_string(a.dims) + ", expected " + to_string(expected) + ", (worlds, robots, action)");
+    if (a.dims != expected)
+        fail("actions: shape " + to_string(a.dims) + ", expected " + to_string(expected) +
+             ", (worlds, robots, action)");
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail("actions" + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) + ", expected a number in [-1, 1]");
+            fail("actions" + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) +
+                 ", expected a number in [-1, 1]");
     Output<float> rows = make_output<float>(per_robot(sim), {sim.observation_size()});
     Output<double> reward = make_output<double>(per_robot(sim));
     Output<bool> there = make_output<bool>(per_robot(sim));
@@ -222,14 +232,17 @@ struct Chosen {
 };
 
 Chosen chosen(const Simulator& sim, int32_t e, int32_t i) {
-    if (e < 0 || e >= sim.n_worlds()) fail("world: " + std::to_string(e) + ", expected 0 to " + std::to_string(sim.n_worlds() - 1));
-    if (i < 0 || i >= sim.n_agents()) fail("robot: " + std::to_string(i) + ", expected 0 to " + std::to_string(sim.n_agents() - 1));
+    if (e < 0 || e >= sim.n_worlds())
+        fail("world: " + std::to_string(e) + ", expected 0 to " + std::to_string(sim.n_worlds() - 1));
+    if (i < 0 || i >= sim.n_agents())
+        fail("robot: " + std::to_string(i) + ", expected 0 to " + std::to_string(sim.n_agents() - 1));
     return {e, i};
 }
 
 std::vector<double> configuration_of(const Simulator& sim, int32_t i, nb::handle value, const char* name) {
     const Configurations c = configurations(*sim.agent(i).robot, value, name);
-    if (!c.dims.empty()) fail(std::string(name) + ": " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
+    if (!c.dims.empty())
+        fail(std::string(name) + ": " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
     return {c.row(0), c.row(0) + c.nq};
 }
 
@@ -255,11 +268,11 @@ nb::object actions_toward(const Simulator& sim, nb::handle targets) {
     const Dims expected{sim.n_worlds(), n, nq};
     if (t.dims != expected) fail("targets: shape " + to_string(t.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < t.view.size(); ++i)
-        if (!(std::fabs(t.data()[i]) <= 1e5)) fail("targets" + index_text(t.dims, static_cast<int64_t>(i)) + " is " + number(t.data()[i]));
+        if (!(std::fabs(t.data()[i]) <= 1e5))
+            fail("targets" + index_text(t.dims, static_cast<int64_t>(i)) + " is " + number(t.data()[i]));
     Output<double> out = make_output<double>(per_robot(sim), {width});
     for (int32_t e = 0; e < sim.n_worlds(); ++e)
-        for (int32_t i = 0; i < n; ++i)
-            sim.toward(e, i, t.data() + (e * n + i) * nq, out.data + (e * n + i) * width);
+        for (int32_t i = 0; i < n; ++i) sim.toward(e, i, t.data() + (e * n + i) * nq, out.data + (e * n + i) * width);
     return nb::cast(out.array);
 }
 
@@ -278,40 +291,50 @@ void set_state(Simulator& sim, const nb::bytes& state) {
 }  // namespace
 
 void bind_simulator(nb::module_& m) {
-    nb::class_<Agent>(m, "Agent").def(
-        "__init__",
-        [](Agent* self, const World& like, BodyId id, const std::string& drive, double wheelbase, nb::handle limits,
-           nb::handle lower, nb::handle upper, nb::handle starts, nb::handle goals, std::pair<double, double> tolerance,
-           double radius, double range, nb::handle position, nb::handle directions) {
-            new (self) Agent(make_agent(like, id, drive, wheelbase, limits, lower, upper, starts, goals, tolerance, radius,
-                                        range, position, directions));
-        },
-        "world"_a, "id"_a, "drive"_a, "wheelbase"_a, "limits"_a, "lower"_a, "upper"_a, "starts"_a, "goals"_a,
-        "tolerance"_a, "radius"_a, "range"_a, "position"_a, "directions"_a);
+    nb::class_<Agent>(m, "Agent")
+        .def(
+            "__init__",
+            [](Agent* self, const World& like, BodyId id, const std::string& drive, double wheelbase, nb::handle limits,
+               nb::handle lower, nb::handle upper, nb::handle starts, nb::handle goals,
+               std::pair<double, double> tolerance, double radius, double range, nb::handle position,
+               nb::handle directions) {
+                new (self) Agent(make_agent(like, id, drive, wheelbase, limits, lower, upper, starts, goals, tolerance,
+                                            radius, range, position, directions));
+            },
+            "world"_a, "id"_a, "drive"_a, "wheelbase"_a, "limits"_a, "lower"_a, "upper"_a, "starts"_a, "goals"_a,
+            "tolerance"_a, "radius"_a, "range"_a, "position"_a, "directions"_a);
     nb::class_<Simulator>(m, "Simulator")
-        .def("__init__", [](Simulator* self, const World& like, const std::vector<Agent>& agents, const nb::dict& settings,
-                            int32_t worlds, const std::vector<BodyId>& stands, nb::handle poses_) {
-            std::vector<std::vector<Rigid>> cases;
-            if (!stands.empty()) {
-                const Poses p = poses(poses_, "poses");
-                for (size_t k = 0; k < p.size() / stands.size(); ++k) {
-                    cases.emplace_back();
-                    for (size_t b = 0; b < stands.size(); ++b) cases.back().push_back(p[k * stands.size() + b]);
+        .def(
+            "__init__",
+            [](Simulator* self, const World& like, const std::vector<Agent>& agents, const nb::dict& settings,
+               int32_t worlds, const std::vector<BodyId>& stands, nb::handle poses_) {
+                std::vector<std::vector<Rigid>> cases;
+                if (!stands.empty()) {
+                    const Poses p = poses(poses_, "poses");
+                    for (size_t k = 0; k < p.size() / stands.size(); ++k) {
+                        cases.emplace_back();
+                        for (size_t b = 0; b < stands.size(); ++b) cases.back().push_back(p[k * stands.size() + b]);
+                    }
                 }
-            }
-            if (agents.empty() || worlds < 1) fail("robots, worlds: expected one at least");
-            new (self) Simulator(like, agents, settings_of(settings), worlds, stands, std::move(cases));
-        }, "world"_a, "agents"_a, "settings"_a, "worlds"_a, "stands"_a, "poses"_a.none())
-        .def("action_sizes", [](const Simulator& s) {
-            std::vector<int32_t> out;
-            for (int32_t i = 0; i < s.n_agents(); ++i) out.push_back(s.action_size(i));
-            return out;
-        })
-        .def("slices", [](const Simulator& s, int32_t i) {
-            nb::list out;
-            for (const Slice& slice : s.slices(chosen(s, 0, i).i)) out.append(nb::make_tuple(slice.name, slice.begin, slice.size));
-            return out;
-        }, "robot"_a)
+                if (agents.empty() || worlds < 1) fail("robots, worlds: expected one at least");
+                new (self) Simulator(like, agents, settings_of(settings), worlds, stands, std::move(cases));
+            },
+            "world"_a, "agents"_a, "settings"_a, "worlds"_a, "stands"_a, "poses"_a.none())
+        .def("action_sizes",
+             [](const Simulator& s) {
+                 std::vector<int32_t> out;
+                 for (int32_t i = 0; i < s.n_agents(); ++i) out.push_back(s.action_size(i));
+                 return out;
+             })
+        .def(
+            "slices",
+            [](const Simulator& s, int32_t i) {
+                nb::list out;
+                for (const Slice& slice : s.slices(chosen(s, 0, i).i))
+                    out.append(nb::make_tuple(slice.name, slice.begin, slice.size));
+                return out;
+            },
+            "robot"_a)
         .def("observation_size", [](const Simulator& s) { return s.observation_size(); })
         .def("reset", &reset, "worlds"_a.none(), "seeds"_a.none(), "threads"_a.none())
         .def("observe", &observe, "worlds"_a.none(), "threads"_a.none())
@@ -321,37 +344,61 @@ void bind_simulator(nb::module_& m) {
         .def("toward", &actions_toward, "targets"_a.none())
         .def("state", &state_of)
         .def("set_state", &set_state, "state"_a)
-        .def("configurations", [](const Simulator& s) { return rows(s, most_coordinates(s), [](const Runner& r) -> auto& { return r.q; }); })
-        .def("goals", [](const Simulator& s) { return rows(s, most_coordinates(s), [](const Runner& r) -> auto& { return r.goal; }); })
-        .def("velocities", [](const Simulator& s) { return rows(s, most_actions(s), [](const Runner& r) -> auto& { return r.action; }); })
-        .def("hit_points", [](const Simulator& s) {
-            Output<double> out = make_output<double>(per_robot(s), {3});
-            double* row = out.data;
-            for (int32_t e = 0; e < s.n_worlds(); ++e)
-                for (int32_t i = 0; i < s.n_agents(); ++i) {
-                    const Vec3 p = s.hit_point(e, i);
-                    for (double x : {p.x, p.y, p.z}) *row++ = x;
-                }
-            return nb::cast(out.array);
-        })
+        .def("configurations",
+             [](const Simulator& s) {
+                 return rows(
+                     s, most_coordinates(s), [](const Runner& r) -> auto& { return r.q; });
+             })
+        .def("goals",
+             [](const Simulator& s) {
+                 return rows(
+                     s, most_coordinates(s), [](const Runner& r) -> auto& { return r.goal; });
+             })
+        .def("velocities",
+             [](const Simulator& s) {
+                 return rows(
+                     s, most_actions(s), [](const Runner& r) -> auto& { return r.action; });
+             })
+        .def("hit_points",
+             [](const Simulator& s) {
+                 Output<double> out = make_output<double>(per_robot(s), {3});
+                 double* row = out.data;
+                 for (int32_t e = 0; e < s.n_worlds(); ++e)
+                     for (int32_t i = 0; i < s.n_agents(); ++i) {
+                         const Vec3 p = s.hit_point(e, i);
+                         for (double x : {p.x, p.y, p.z}) *row++ = x;
+                     }
+                 return nb::cast(out.array);
+             })
         .def("status", [](const Simulator& s) { return column<uint8_t>(s, [](const Runner& r) { return r.status; }); })
         .def("hits", [](const Simulator& s) { return column<int32_t>(s, [](const Runner& r) { return r.hit; }); })
-        .def("hit_robots", [](const Simulator& s) {
-            return column<int32_t>(s, [&](const Runner& r) { return r.hit < 0 ? -1 : s.robot_of(r.hit); });
-        })
-        .def("hit_times", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.hit_time; }); })
+        .def("hit_robots",
+             [](const Simulator& s) {
+                 return column<int32_t>(s, [&](const Runner& r) { return r.hit < 0 ? -1 : s.robot_of(r.hit); });
+             })
+        .def("hit_times",
+             [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.hit_time; }); })
         .def("checks", [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.checks; }); })
         .def("masked", [](const Simulator& s) { return column<int32_t>(s, [](const Runner& r) { return r.masked; }); })
-        .def("remaining", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.remaining; }); })
-        .def("clearances", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.clearance; }); })
-        .def("least_clearances", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.least_clearance; }); })
-        .def("collisions", [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.collisions; }); })
-        .def("arrivals", [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.arrived; }); })
-        .def("traveled", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.traveled; }); })
+        .def("remaining",
+             [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.remaining; }); })
+        .def("clearances",
+             [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.clearance; }); })
+        .def("least_clearances",
+             [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.least_clearance; }); })
+        .def("collisions",
+             [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.collisions; }); })
+        .def("arrivals",
+             [](const Simulator& s) { return column<int64_t>(s, [](const Runner& r) { return r.arrived; }); })
+        .def("traveled",
+             [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.traveled; }); })
         .def("rewards", [](const Simulator& s) { return column<double>(s, [](const Runner& r) { return r.reward; }); })
         .def("steps", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return e.steps; }); })
         .def("numbers", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return e.number; }); })
-        .def("seeds", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return static_cast<int64_t>(e.seed); }); })
+        .def("seeds",
+             [](const Simulator& s) {
+                 return per_world(s, [](const Episode& e) { return static_cast<int64_t>(e.seed); });
+             })
         .def("cases", [](const Simulator& s) { return per_world(s, [](const Episode& e) { return e.of_case; }); });
 }
 

@@ -11,9 +11,11 @@ using namespace nb::literals;
 std::vector<std::string> names_of(nb::handle value, const char* name) {
     if (nb::isinstance<nb::str>(value)) return {nb::cast<std::string>(value)};
     std::vector<std::string> out;
-    if (!nb::hasattr(value, "__iter__")) throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
+    if (!nb::hasattr(value, "__iter__"))
+        throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
     for (nb::handle item : value) {
-        if (!nb::isinstance<nb::str>(item)) throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
+        if (!nb::isinstance<nb::str>(item))
+            throw nb::type_error((std::string(name) + ": expected a name or names").c_str());
         out.push_back(nb::cast<std::string>(item));
     }
     return out;
@@ -152,12 +154,14 @@ Masks masks_of(const std::string& name) {
 
 void bind_world(nb::module_& m) {
     nb::class_<World> c(m, "World");
-    c.def("__init__", [](World* self, const std::string& masks) { new (self) World(masks_of(masks)); }, "masks"_a)
-        .def("copy_from", [](World* self, const World& other) {
-            const auto lock = reading(other);
-            self->~World();
-            new (self) World(other);
-        })
+    c.def(
+         "__init__", [](World* self, const std::string& masks) { new (self) World(masks_of(masks)); }, "masks"_a)
+        .def("copy_from",
+             [](World* self, const World& other) {
+                 const auto lock = reading(other);
+                 self->~World();
+                 new (self) World(other);
+             })
         .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, "groups"_a.none(), "id"_a)
         .def("add_robot", &add_robot, "robot"_a, "q"_a.none(), "parts"_a, "allowed"_a, "name"_a, "like"_a,
              "groups"_a.none())
@@ -167,46 +171,65 @@ void bind_world(nb::module_& m) {
         .def("parts", &parts, "robot"_a.none())
         .def("set_pose", &set_pose, "ids"_a.none(), "poses"_a.none())
         .def("poses", &get_poses, "ids"_a.none())
-        .def("attach", [](World& w, nb::handle body, nb::handle carrier) {
-            const Asked a = asked(body, "body"), b = asked(carrier, "carrier");
-            const auto lock = writing(w);
-            w.attach(body_of(w, a, "body"), body_of(w, b, "carrier"));
-        }, "body"_a.none(), "carrier"_a.none())
-        .def("detach", [](World& w, nb::handle body) {
-            const Asked a = asked(body, "body");
-            const auto lock = writing(w);
-            w.detach(body_of(w, a, "body"));
-        }, "body"_a.none())
-        .def("allow", [](World& w, nb::handle a, nb::handle b, bool allowed) {
-            const Asked first = asked(a, "a"), second = asked(b, "b");
-            const auto lock = writing(w);
-            w.allow(body_of(w, first, "a"), body_of(w, second, "b"), allowed);
-        }, "a"_a.none(), "b"_a.none(), "allowed"_a)
-        .def("allow_groups", [](World& w, const std::string& a, const std::string& b, bool allowed) {
-            const auto lock = writing(w);
-            w.allow_groups(a, b, allowed);
-        }, "a"_a, "b"_a, "allowed"_a)
+        .def(
+            "attach",
+            [](World& w, nb::handle body, nb::handle carrier) {
+                const Asked a = asked(body, "body"), b = asked(carrier, "carrier");
+                const auto lock = writing(w);
+                w.attach(body_of(w, a, "body"), body_of(w, b, "carrier"));
+            },
+            "body"_a.none(), "carrier"_a.none())
+        .def(
+            "detach",
+            [](World& w, nb::handle body) {
+                const Asked a = asked(body, "body");
+                const auto lock = writing(w);
+                w.detach(body_of(w, a, "body"));
+            },
+            "body"_a.none())
+        .def(
+            "allow",
+            [](World& w, nb::handle a, nb::handle b, bool allowed) {
+                const Asked first = asked(a, "a"), second = asked(b, "b");
+                const auto lock = writing(w);
+                w.allow(body_of(w, first, "a"), body_of(w, second, "b"), allowed);
+            },
+            "a"_a.none(), "b"_a.none(), "allowed"_a)
+        .def(
+            "allow_groups",
+            [](World& w, const std::string& a, const std::string& b, bool allowed) {
+                const auto lock = writing(w);
+                w.allow_groups(a, b, allowed);
+            },
+            "a"_a, "b"_a, "allowed"_a)
         .def("set_trajectory", &set_trajectory, "body"_a.none(), "times"_a.none(), "poses"_a.none())
         .def("set_path", &set_path, "robot"_a.none(), "poses"_a.none())
-        .def("clear_path", [](World& w, nb::handle robot) {
-            const Asked a = asked(robot, "robot");
-            const auto lock = writing(w);
-            w.clear_path(robot_of(w, a));
-        }, "robot"_a.none())
+        .def(
+            "clear_path",
+            [](World& w, nb::handle robot) {
+                const Asked a = asked(robot, "robot");
+                const auto lock = writing(w);
+                w.clear_path(robot_of(w, a));
+            },
+            "robot"_a.none())
         .def("candidates", &candidates, "robot"_a.none())
         .def("motion_boxes", &motion_boxes, "robot"_a.none())
         .def("mask", &mask, "body"_a.none())
-        .def("own_bit", [](const World& w, nb::handle robot) {
-            const Asked a = asked(robot, "robot");
-            const auto lock = reading(w);
-            return w.own_bit(robot_of(w, a));
-        }, "robot"_a.none())
+        .def(
+            "own_bit",
+            [](const World& w, nb::handle robot) {
+                const Asked a = asked(robot, "robot");
+                const auto lock = reading(w);
+                return w.own_bit(robot_of(w, a));
+            },
+            "robot"_a.none())
         .def("masks", [](const World& w) { return w.masks_name(); })
         .def("tests", [](const World& w) { return w.tests(); })
-        .def("nbytes", [](const World& w) {
-            const auto lock = reading(w);
-            return w.nbytes();
-        })
+        .def("nbytes",
+             [](const World& w) {
+                 const auto lock = reading(w);
+                 return w.nbytes();
+             })
         .def("__len__", [](const World& w) {
             const auto lock = reading(w);
             return w.size();

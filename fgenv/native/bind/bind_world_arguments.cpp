@@ -15,7 +15,8 @@ Asked asked(nb::handle value, const char* name) {
     const nb::object index = nb::steal(PyBool_Check(value.ptr()) ? nullptr : PyNumber_Index(value.ptr()));
     if (!index.is_valid()) {
         PyErr_Clear();
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a body's id or name").c_str());
+        throw nb::type_error(
+            (std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a body's id or name").c_str());
     }
     int overflow = 0;
     const long long id = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
@@ -26,7 +27,8 @@ Asked asked(nb::handle value, const char* name) {
 BodyId body_of(const World& w, const Asked& asked, const char* name) {
     const BodyId id = asked.by_name ? w.id_of(asked.words) : asked.id;
     if (w.find(id)) return id;
-    if (asked.by_name) fail(std::string(name) + ": no body is named '" + asked.text() + "'; world.names tells which are");
+    if (asked.by_name)
+        fail(std::string(name) + ": no body is named '" + asked.text() + "'; world.names tells which are");
     fail(std::string(name) + ": no body " + asked.text() + " in this world; world.ids tells which are");
 }
 
@@ -53,7 +55,8 @@ AskedBodies asked_bodies(nb::handle value, const char* name) {
         return asked_bodies(nb::object(value.attr("tolist")()), name);
     if (nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr())) return {{asked(value, name)}, true};
     if (!nb::hasattr(value, "__iter__"))
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected ids or names of bodies").c_str());
+        throw nb::type_error(
+            (std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected ids or names of bodies").c_str());
     AskedBodies out{{}, false};
     for (nb::handle item : value) out.items.push_back(asked(item, name));
     return out;
@@ -74,8 +77,10 @@ nb::object pose_out(const std::vector<Rigid>& poses, const Dims& dims) {
 Places places(const Model& model, nb::handle value, const char* name) {
     Places out;
     out.model = model;
-    if (model) out.configurations = configurations(*model, value, name);
-    else out.poses = poses(value, name);
+    if (model)
+        out.configurations = configurations(*model, value, name);
+    else
+        out.poses = poses(value, name);
     return out;
 }
 
@@ -123,9 +128,7 @@ Trajectory trajectory_of(const Model& model, nb::handle times, nb::handle poses)
     return t;
 }
 
-nb::object id_array(const std::vector<BodyId>& ids) {
-    return copy_out(ids.data(), {static_cast<int64_t>(ids.size())});
-}
+nb::object id_array(const std::vector<BodyId>& ids) { return copy_out(ids.data(), {static_cast<int64_t>(ids.size())}); }
 
 nb::int_ mask_of(const World& w, const Body& body) {
     nb::int_ out(0);

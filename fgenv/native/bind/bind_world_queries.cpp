@@ -68,7 +68,8 @@ double resolution_of(nb::handle mode, nb::handle value) {
     std::string text;
     if (!nb::try_cast(mode, text) || (text != "continuous" && text != "discrete"))
         fail(std::string("mode: ") + nb::repr(mode).c_str() + " is unknown, expected continuous or discrete");
-    if ((text == "discrete") == value.is_none()) fail("resolution: expected meters with mode='discrete', and only then");
+    if ((text == "discrete") == value.is_none())
+        fail("resolution: expected meters with mode='discrete', and only then");
     double meters = 0;
     if (!value.is_none() && (!nb::try_cast(value, meters) || !(meters > 0) || std::isinf(meters)))
         fail(std::string("resolution: ") + nb::repr(value).c_str() + ", expected meters, over 0");
@@ -97,8 +98,12 @@ struct Outcomes {
     Output<int64_t> checks;
 
     explicit Outcomes(const Dims& dims)
-        : free(make_output<bool>(dims)), contact(make_output<double>(dims)), contact_by(make_output<double>(dims)),
-          other(make_output<int32_t>(dims)), part(make_output<int32_t>(dims)), checks(make_output<int64_t>(dims)) {}
+        : free(make_output<bool>(dims)),
+          contact(make_output<double>(dims)),
+          contact_by(make_output<double>(dims)),
+          other(make_output<int32_t>(dims)),
+          part(make_output<int32_t>(dims)),
+          checks(make_output<int64_t>(dims)) {}
     void put(int64_t i, const MotionOutcome& o) {
         free.data[i] = !o.contact.found;
         contact.data[i] = o.contact.found ? o.contact.free_until : 1;
@@ -143,7 +148,8 @@ nb::object meet(const World& w, nb::handle a, nb::handle A0, nb::handle A1, nb::
     const Places from_a = places(model_a, A0, "A0"), to_a = places(model_a, A1, "A1");
     const Places from_b = places(model_b, B0, "B0"), to_b = places(model_b, B1, "B1");
     MotionSettings s = settings_of(margin, tolerance, 0, false, nb::none(), nb::none());
-    const Broadcast shape = broadcast({{"A0", from_a.dims()}, {"A1", to_a.dims()}, {"B0", from_b.dims()}, {"B1", to_b.dims()}});
+    const Broadcast shape =
+        broadcast({{"A0", from_a.dims()}, {"A1", to_a.dims()}, {"B0", from_b.dims()}, {"B1", to_b.dims()}});
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId one = mover_of(w, first, model_a, "a"), other = mover_of(w, second, model_b, "b");
@@ -238,13 +244,16 @@ nb::object contacts(const World& w, double margin, nb::handle threads) {
     const auto lock = reading(w);
     std::vector<std::pair<BodyId, BodyId>> pairs;
     std::mutex gathering;
-    parallel_for(w.blocks(), n, [&](int64_t first, int64_t last) {
-        std::vector<std::pair<BodyId, BodyId>> found;
-        for (int64_t block = first; block < last; ++block)
-            w.contacts_of_block(static_cast<int32_t>(block), margin, found);
-        const std::lock_guard<std::mutex> guard(gathering);
-        pairs.insert(pairs.end(), found.begin(), found.end());
-    }, 16);
+    parallel_for(
+        w.blocks(), n,
+        [&](int64_t first, int64_t last) {
+            std::vector<std::pair<BodyId, BodyId>> found;
+            for (int64_t block = first; block < last; ++block)
+                w.contacts_of_block(static_cast<int32_t>(block), margin, found);
+            const std::lock_guard<std::mutex> guard(gathering);
+            pairs.insert(pairs.end(), found.begin(), found.end());
+        },
+        16);
     std::sort(pairs.begin(), pairs.end());
     std::vector<int32_t> rows;
     for (const auto& [a, b] : pairs) rows.insert(rows.end(), {a, b});
@@ -266,7 +275,8 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, do
     parallel_for(shape.size, n, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
             const double* p = o.data() + 3 * shape.offset(0, i);
-            const WorldHit hit = w.raycast({p[0], p[1], p[2]}, direction_of(d.data() + 3 * shape.offset(1, i)), max_distance, skip);
+            const WorldHit hit =
+                w.raycast({p[0], p[1], p[2]}, direction_of(d.data() + 3 * shape.offset(1, i)), max_distance, skip);
             distance.data[i] = hit.distance;
             body.data[i] = hit.body;
         }
@@ -285,7 +295,8 @@ void bind_world_queries(nb::class_<World>& c) {
              "margin"_a, "tolerance"_a, "threads"_a.none())
         .def("check_motions", &check_motions, "robots"_a.none(), "T0"_a.none(), "T1"_a.none(), "margin"_a,
              "tolerance"_a, "t0"_a.none(), "t1"_a.none())
-        .def("advance", &advance, "robots"_a.none(), "to"_a.none(), "margin"_a, "tolerance"_a, "t0"_a.none(), "t1"_a.none())
+        .def("advance", &advance, "robots"_a.none(), "to"_a.none(), "margin"_a, "tolerance"_a, "t0"_a.none(),
+             "t1"_a.none())
         .def("contacts", &contacts, "margin"_a, "threads"_a.none())
         .def("raycast", &raycast, "origins"_a.none(), "directions"_a.none(), "max_distance"_a, "ignore"_a.none(),
              "threads"_a.none());

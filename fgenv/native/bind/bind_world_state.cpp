@@ -82,12 +82,17 @@ void restore(World& w, const nb::dict& state, const nb::dict& robots) {
     const nb::list bodies(state["bodies"]);
     const auto id_of = [](nb::handle b) { return nb::cast<BodyId>(b["id"]); };
     for (nb::handle b : bodies)
-        w.add(nb::cast<std::shared_ptr<Shape>>(b["shape"]), pose_of(b["pose"], "pose"), nb::cast<std::string>(b["name"]),
-              nb::cast<std::vector<std::string>>(b["groups"]), id_of(b));
+        w.add(nb::cast<std::shared_ptr<Shape>>(b["shape"]), pose_of(b["pose"], "pose"),
+              nb::cast<std::string>(b["name"]), nb::cast<std::vector<std::string>>(b["groups"]), id_of(b));
     for (nb::handle b : bodies) {
-        World::Bond bond{nb::cast<BodyId>(b["carrier"]), nb::cast<BodyId>(b["root"]), nb::cast<int32_t>(b["link"]),
-                         pose_of(b["offset"], "offset"), nb::cast<bool>(b["built_in"]),
-                         nb::cast<std::vector<BodyId>>(b["parts"]), nullptr, {}};
+        World::Bond bond{nb::cast<BodyId>(b["carrier"]),
+                         nb::cast<BodyId>(b["root"]),
+                         nb::cast<int32_t>(b["link"]),
+                         pose_of(b["offset"], "offset"),
+                         nb::cast<bool>(b["built_in"]),
+                         nb::cast<std::vector<BodyId>>(b["parts"]),
+                         nullptr,
+                         {}};
         if (!b["configuration"].is_none()) {
             bond.robot = std::make_shared<const Robot>(nb::cast<const Robot&>(robots[b["id"]]));
             bond.q = places(bond.robot, b["configuration"], "configuration")[0].q;

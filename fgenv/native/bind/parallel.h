@@ -12,7 +12,6 @@ int thread_count(int threads);
 // body(first, last) over [0, n) in chunks (microseconds to milliseconds of work between two looks for
 // Ctrl-C), on any thread, in any order: results must not depend on it. The caller holds the interpreter's lock, which is released meanwhile. Throws nanobind's
 // python_error if a signal handler raised (KeyboardInterrupt); chunks not begun are then left out.
-void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int64_t)>& body,
-                  int64_t chunk = 64);
+void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int64_t)>& body, int64_t chunk = 64);
 
 }  // namespace fgenv

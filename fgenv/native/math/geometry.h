@@ -30,9 +30,7 @@ static inline Vec3 unit(Vec3 a) {
     const double length = norm(a);
     return length > 0 ? (1.0 / length) * a : Vec3{0, 0, 0};
 }
-static inline double coordinate(const Vec3& a, int axis) {
-    return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
-}
+static inline double coordinate(const Vec3& a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
 
 // Vertex indices of one face, counter-clockwise seen from outside.
 using Face = std::array<int32_t, 3>;
@@ -49,8 +47,7 @@ static inline Vec3 apply(const Rigid& m, Vec3 p) {
             m.r[2][0] * p.x + m.r[2][1] * p.y + m.r[2][2] * p.z + m.t[2]};
 }
 static inline Vec3 rotate(const Rigid& m, Vec3 v) {
-    return {m.r[0][0] * v.x + m.r[0][1] * v.y + m.r[0][2] * v.z,
-            m.r[1][0] * v.x + m.r[1][1] * v.y + m.r[1][2] * v.z,
+    return {m.r[0][0] * v.x + m.r[0][1] * v.y + m.r[0][2] * v.z, m.r[1][0] * v.x + m.r[1][1] * v.y + m.r[1][2] * v.z,
             m.r[2][0] * v.x + m.r[2][1] * v.y + m.r[2][2] * v.z};
 }
 
@@ -121,8 +118,8 @@ static inline void grow(Box& box, const Box& other) {
     grow(box, other.hi);
 }
 static inline bool inside(const Box& box, Vec3 p) {
-    return p.x >= box.lo.x && p.x <= box.hi.x && p.y >= box.lo.y && p.y <= box.hi.y &&
-           p.z >= box.lo.z && p.z <= box.hi.z;
+    return p.x >= box.lo.x && p.x <= box.hi.x && p.y >= box.lo.y && p.y <= box.hi.y && p.z >= box.lo.z &&
+           p.z <= box.hi.z;
 }
 static inline double half_area(const Box& box) {
     const Vec3 d = box.hi - box.lo;

@@ -5,8 +5,8 @@
 
 namespace fgenv {
 
-constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
-constexpr double rounding = 4e-15; // of the coordinates: more than placing a corner twice is off by
+constexpr double askew = 1.0001;    // poses may be off orthonormal by 1e-5
+constexpr double rounding = 4e-15;  // of the coordinates: more than placing a corner twice is off by
 
 struct Instant {
     double t;

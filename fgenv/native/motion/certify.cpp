@@ -10,16 +10,16 @@
 namespace fgenv {
 namespace {
 
-constexpr int max_steps = 3000;    // of one pair of faces
-constexpr int some_pairs = 256;    // of faces, and
-constexpr int some_boxes = 128;    // pairs of boxes opened: where there are more, half the time is tried,
-constexpr int max_halvings = 5;    // up to so many times; then
+constexpr int max_steps = 3000;     // of one pair of faces
+constexpr int some_pairs = 256;     // of faces, and
+constexpr int some_boxes = 128;     // pairs of boxes opened: where there are more, half the time is tried,
+constexpr int max_halvings = 5;     // up to so many times; then
 constexpr int all_pairs = 1 << 16;  // are looked at
-constexpr int few_pairs = 4;       // are taken one by one, without halving their time
-constexpr int max_splits = 10;     // or more of them after so many times
-constexpr int box_planes = 4;      // between their boxes,
-constexpr int max_planes = 256;    // between two bodies, one after the other, and
-constexpr size_t most_pairs = 256; // of their shells
+constexpr int few_pairs = 4;        // are taken one by one, without halving their time
+constexpr int max_splits = 10;      // or more of them after so many times
+constexpr int box_planes = 4;       // between their boxes,
+constexpr int max_planes = 256;     // between two bodies, one after the other, and
+constexpr size_t most_pairs = 256;  // of their shells
 
 Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half, double margin) {
     const auto side = [&](const Velocity& u, const Acceleration& acc) {
@@ -43,14 +43,20 @@ Hull hull_of_box(const Shape& s) {
 class Certifier {
 public:
     Certifier(const Moving& a, const Moving& b, const CertifySettings& s, Contact& contact, int64_t& sweeps)
-        : a_(a), b_(b), settings_(s), contact_(contact), sweeps_(sweeps),
+        : a_(a),
+          b_(b),
+          settings_(s),
+          contact_(contact),
+          sweeps_(sweeps),
           speed_(greater(s.speed, a.motion->speed(a.shape->radius) + b.motion->speed(b.shape->radius))) {}
 
     // What presses on from near contact, as robots do that have stopped at one, is told at once.
     void begin(double lo, double hi) {
         const double soon = lo + 0.5 * bracket(speed_);
-        if (soon < lesser(hi, contact_.free_until) && collides(soon)) find(lo, soon);
-        else run(lo, hi, 0);
+        if (soon < lesser(hi, contact_.free_until) && collides(soon))
+            find(lo, soon);
+        else
+            run(lo, hi, 0);
     }
 
     // In the order of time, so that each stretch begins where all before it is proved free.
@@ -111,9 +117,18 @@ private:
 
     Moment moment(const Instant& now, double lo, double hi) const {
         const Acceleration at_a = a_.motion->acceleration(), at_b = b_.motion->acceleration();
-        Moment m{now.a, now.b, now.va.v, now.va.w, now.vb.v, now.vb.w, {at_a.at_origin, askew * at_a.by_radius},
-                 {at_b.at_origin, askew * at_b.by_radius}, (now.t - lo) * (1 + 1e-12), (hi - now.t) * (1 + 1e-12),
-                 settings_.margin, rounding_slack(now, a_.shape->radius + b_.shape->radius)};
+        Moment m{now.a,
+                 now.b,
+                 now.va.v,
+                 now.va.w,
+                 now.vb.v,
+                 now.vb.w,
+                 {at_a.at_origin, askew * at_a.by_radius},
+                 {at_b.at_origin, askew * at_b.by_radius},
+                 (now.t - lo) * (1 + 1e-12),
+                 (hi - now.t) * (1 + 1e-12),
+                 settings_.margin,
+                 rounding_slack(now, a_.shape->radius + b_.shape->radius)};
         for (int i = 0; i < 3; ++i) {
             m.a.t[i] -= m.b.t[i];
             m.b.t[i] = 0;
@@ -135,9 +150,12 @@ private:
         for (const Piece& p : a.pieces)
             for (const Piece& q : b.pieces) {
                 const double until = lesser(hi, contact_.free_until);
-                const double gap = norm(apply(at_b, q.center) - apply(at_a, p.center)) - askew * (p.radius + q.radius) - settings_.margin;
-                if (gap <= speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
-                    parted = lesser(parted, part(hull_of(a, p.begin, p.end), hull_of(b, q.begin, q.end), lo, until, max_planes));
+                const double gap = norm(apply(at_b, q.center) - apply(at_a, p.center)) - askew * (p.radius + q.radius) -
+                                   settings_.margin;
+                if (gap <=
+                    speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
+                    parted = lesser(
+                        parted, part(hull_of(a, p.begin, p.end), hull_of(b, q.begin, q.end), lo, until, max_planes));
             }
         return parted;
     }
@@ -150,8 +168,10 @@ private:
             lo += after;
             if (after > 0.25 * bracket(speed_) || bodies.apart() > settings_.tolerance) continue;
             const double shown = lesser(lo + 0.5 * bracket(speed_), 1);
-            if (collides(shown)) find(lo, shown);
-            else if (after > 0) continue;
+            if (collides(shown))
+                find(lo, shown);
+            else if (after > 0)
+                continue;
             break;
         }
         return lo;

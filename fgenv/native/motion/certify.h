@@ -11,10 +11,10 @@ struct Moving {
 };
 
 struct CertifySettings {
-    double margin = 0;         // meters: nearer than this is contact
-    double tolerance = 1e-6;   // meters that any point moves between the two fractions of a contact
-    double speed = 0;          // at least that of any point of the mover or movers, also beyond these two bodies
-    bool first = true;         // false: any contact will do
+    double margin = 0;        // meters: nearer than this is contact
+    double tolerance = 1e-6;  // meters that any point moves between the two fractions of a contact
+    double speed = 0;         // at least that of any point of the mover or movers, also beyond these two bodies
+    bool first = true;        // false: any contact will do
 };
 
 // Free up to `free_until`; in contact at `shown`, NaN where the search gave up (unresolved).

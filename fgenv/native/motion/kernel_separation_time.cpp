@@ -87,8 +87,9 @@ int staying(const Shape& a, const Shape& b, const Moment& m, FacePair* pairs, in
         for (int x = 0; x < 3; ++x) n[x] = n[x] * inverse;
         const D4 gap = along(n, g.v).least - along(n, f.v).most - splat(m.margin + m.slack);
         const Extremes ra = rates(n, arm_a, m.va, m.wa), rb = rates(n, g.v, m.vb, m.wb);
-        const D4 bend = splat(0.5) * (splat(m.acceleration_a[0] + m.acceleration_b[0]) +
-                                      splat(m.acceleration_a[1]) * farthest(arm_a) + splat(m.acceleration_b[1]) * farthest(g.v));
+        const D4 bend =
+            splat(0.5) * (splat(m.acceleration_a[0] + m.acceleration_b[0]) +
+                          splat(m.acceleration_a[1]) * farthest(arm_a) + splat(m.acceleration_b[1]) * farthest(g.v));
         const D4 after = splat(m.after), before = splat(m.before);
         const L4 apart = (gap > (ra.most - rb.least) * after + bend * after * after) &
                          (gap > (rb.most - ra.least) * before + bend * before * before) & (gap > splat(0.0));

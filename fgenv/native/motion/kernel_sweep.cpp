@@ -111,12 +111,11 @@ FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, const Vie
         F8 w[3];
         across(d, u, w);
         F8 reach = length_bound(w[0], w[1], w[2]) * e;
-        for (int i = 0; i < 3; ++i)
-            reach += h[i] * abs(w[0] * axis[i][0] + w[1] * axis[i][1] + w[2] * axis[i][2]);
+        for (int i = 0; i < 3; ++i) reach += h[i] * abs(w[0] * axis[i][0] + w[1] * axis[i][1] + w[2] * axis[i][2]);
         for (int j = 0; j < 3; ++j)
-            reach += splat(box.h[j]) * abs(w[0] * splat(box.axis[j][0]) + w[1] * splat(box.axis[j][1]) + w[2] * splat(box.axis[j][2]));
-        meet &= abs(d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) <=
-                reach + abs(u[0] * w[0] + u[1] * w[1] + u[2] * w[2]);
+            reach += splat(box.h[j]) *
+                     abs(w[0] * splat(box.axis[j][0]) + w[1] * splat(box.axis[j][1]) + w[2] * splat(box.axis[j][2]));
+        meet &= abs(d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) <= reach + abs(u[0] * w[0] + u[1] * w[1] + u[2] * w[2]);
         if (!bits(meet)) return 0;
     }
     F8 along_u[3];
@@ -184,8 +183,8 @@ void near_faces(const Sweep& sweep, const View& view, const Leaf& la, const Leaf
     FacesF a, b;
     float shift[3];
     // As load_leaves, without fused products.
-    const Vec3 at = apply(sweep.pose, {lb.center[0], lb.center[1], lb.center[2]}) -
-                    Vec3{la.center[0], la.center[1], la.center[2]};
+    const Vec3 at =
+        apply(sweep.pose, {lb.center[0], lb.center[1], lb.center[2]}) - Vec3{la.center[0], la.center[1], la.center[2]};
     shift[0] = static_cast<float>(at.x);
     shift[1] = static_cast<float>(at.y);
     shift[2] = static_cast<float>(at.z);
@@ -196,8 +195,8 @@ void near_faces(const Sweep& sweep, const View& view, const Leaf& la, const Leaf
         for (int i = 0; i < 3; ++i)
             b.v[k][i] = splat(r[i][0]) * x + splat(r[i][1]) * y + splat(r[i][2]) * z + splat(shift[i]);
     }
-    const Local local = local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) +
-                                     std::fabs(shift[2]));
+    const Local local =
+        local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) + std::fabs(shift[2]));
     const float radius_a = length_bound(la.half[0], la.half[1], la.half[2]);
     const float radius_b = length_bound(lb.half[0], lb.half[1], lb.half[2]);
     const float far[3] = {la.center[0] + shift[0], la.center[1] + shift[1], la.center[2] + shift[2]};

@@ -20,7 +20,8 @@ public:
         : a_(a), b_(b), of_a_(of_a), of_b_(of_b), settings_(s) {
         const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
         radii_ = askew * (of_a.radius + of_b.radius);
-        acceleration_ = at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
+        acceleration_ =
+            at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
     }
 
     // How long after t a plane parts them for certain, at most `longest`; 0 if none is found.
@@ -31,10 +32,12 @@ public:
         const Vec3 before = along_;
         const double apart_before = apart_;
         const Vec3 guess = norm(before) > 0 ? before : origin(now_.b) - origin(now_.a);
-        along_ = unit(way_apart([&](Vec3 n) {
-            const Corner p = farthest(of_a_, unrotate(now_.a, n)), q = farthest(of_b_, -1.0 * unrotate(now_.b, n));
-            return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
-        }, guess));
+        along_ = unit(way_apart(
+            [&](Vec3 n) {
+                const Corner p = farthest(of_a_, unrotate(now_.a, n)), q = farthest(of_b_, -1.0 * unrotate(now_.b, n));
+                return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
+            },
+            guess));
         const double anew = stay_along(longest);
         if (anew >= as_before) return anew;
         along_ = before;
@@ -67,14 +70,19 @@ private:
     };
     Turning turning(Vec3 spin) const {
         const Vec3 n = along_, change = cross(spin, n);
-        return {n, change, unrotate(now_.a, n), unrotate(now_.b, n), unrotate(now_.a, cross(n, now_.va.w) + change),
+        return {n,
+                change,
+                unrotate(now_.a, n),
+                unrotate(now_.b, n),
+                unrotate(now_.a, cross(n, now_.va.w) + change),
                 unrotate(now_.b, cross(n, now_.vb.w) + change)};
     }
     // What is between them at time s: the least of linear functions, so a concave one.
     double gap(const Turning& k, double s, Corner& far_a, Corner& far_b) const {
         far_a = farthest(of_a_, k.to_a + s * k.turn_a);
         far_b = farthest(of_b_, -1.0 * (k.to_b + s * k.turn_b));
-        return dot(k.n + s * k.change, origin(now_.b) - origin(now_.a)) - s * dot(k.n, now_.va.v - now_.vb.v) - far_a.most - far_b.most;
+        return dot(k.n + s * k.change, origin(now_.b) - origin(now_.a)) - s * dot(k.n, now_.va.v - now_.vb.v) -
+               far_a.most - far_b.most;
     }
 
     // Along a plane that stands, and along planes that turn with either body: sides that lie flush stay so.
@@ -100,7 +108,8 @@ private:
         // The tangent ends beyond the true end, the chord to there before it.
         const double s = lesser(longest, time_to(apart_, approach, bend));
         Corner a, b;
-        const double then = gap(k, s, a, b) - grown * (settings_.margin + rounding_slack(now_, radii_)) - 0.5 * bend * s * s;
+        const double then =
+            gap(k, s, a, b) - grown * (settings_.margin + rounding_slack(now_, radii_)) - 0.5 * bend * s * s;
         return then > 0 ? s : s * apart_ / (apart_ - then) * (1 - 1e-12);
     }
 

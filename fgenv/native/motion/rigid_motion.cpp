@@ -5,7 +5,7 @@
 namespace fgenv {
 namespace {
 
-constexpr double piece = 0.25;      // radians turned by a piece of a swept box
+constexpr double piece = 0.25;  // radians turned by a piece of a swept box
 constexpr int max_pieces = 64;
 constexpr double askew = 1.0001;    // poses may be off orthonormal by 1e-5
 constexpr double rounding = 1e-14;  // of the coordinates: more than placing a point is off by
@@ -21,9 +21,13 @@ double BodyMotion::speed(double radius) const {
 }
 
 RigidMotion::RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offset)
-    : start_(start), end_{end.t[0], end.t[1], end.t[2]}, offset_(offset ? *offset : identity()),
+    : start_(start),
+      end_{end.t[0], end.t[1], end.t[2]},
+      offset_(offset ? *offset : identity()),
       has_offset_(offset != nullptr),
-      shift_(origin(end) - origin(start)), turn_(turn_between(start, end)), angle_(norm(turn_)) {
+      shift_(origin(end) - origin(start)),
+      turn_(turn_between(start, end)),
+      angle_(norm(turn_)) {
     const double centripetal = askew * angle_ * angle_;
     acceleration_ = {centripetal * norm(origin(offset_)), centripetal};
 }
@@ -67,8 +71,7 @@ Box posed_box(const Shape& shape, const Rigid& pose) {
     const Box& upright = shape.mesh.bounds;
     const Vec3 middle = 0.5 * (upright.lo + upright.hi), half = upright.hi - middle;
     const OrientedBox& fitted = shape.tree.boxes[0];
-    const Vec3 center = apply(pose, middle),
-               c = apply(pose, {fitted.center[0], fitted.center[1], fitted.center[2]});
+    const Vec3 center = apply(pose, middle), c = apply(pose, {fitted.center[0], fitted.center[1], fitted.center[2]});
     double lo[3], hi[3];
     for (int i = 0; i < 3; ++i) {
         const double* row = pose.r[i];

@@ -24,7 +24,7 @@ public:
     virtual Velocity velocity(double t) const = 0;
     virtual Rigid pose(double t, Velocity& velocity) const = 0;
     virtual Acceleration acceleration() const = 0;
-    virtual double turn() const = 0;  // radians: at most this far over [0, 1]
+    virtual double turn() const = 0;            // radians: at most this far over [0, 1]
     virtual double speed(double radius) const;  // at most: of points this far from the body's origin
 };
 

@@ -60,7 +60,8 @@ Line half_plane(const Disc& self, const Disc& other, double horizon, double dt) 
 // `expected`, or farthest in its direction; false if there is none.
 bool on_line(const std::vector<Line>& lines, size_t i, double most, V expected, bool direction, V& found) {
     const Line& line = lines[i];
-    const double middle = dot(line.point, line.along), inside = middle * middle + most * most - dot(line.point, line.point);
+    const double middle = dot(line.point, line.along),
+                 inside = middle * middle + most * most - dot(line.point, line.point);
     if (inside < 0) return false;
     double left = -middle - std::sqrt(inside), right = -middle + std::sqrt(inside);
     for (size_t j = 0; j < i; ++j) {
@@ -116,7 +117,8 @@ void least_trespass(const std::vector<Line>& lines, size_t begin, double most, V
             between.push_back({point, unit(lines[j].along - lines[i].along)});
         }
         const V before = found;
-        if (in_plane(between, most, {-lines[i].along.y, lines[i].along.x}, true, found) < between.size()) found = before;
+        if (in_plane(between, most, {-lines[i].along.y, lines[i].along.x}, true, found) < between.size())
+            found = before;
         trespass = cross(lines[i].along, lines[i].point - found);
     }
 }
@@ -128,7 +130,8 @@ void orca(const Disc& self, const std::vector<Neighbor>& others, double wanted_x
     std::vector<Line> lines;
     for (const auto& [other, horizon] : others) {
         const V p{other.x - self.x, other.y - self.y};
-        if (dot(p, p) <= settings.range * settings.range) lines.push_back(half_plane(self, other, horizon, settings.dt));
+        if (dot(p, p) <= settings.range * settings.range)
+            lines.push_back(half_plane(self, other, horizon, settings.dt));
     }
     V found;
     const size_t kept = in_plane(lines, speed, {wanted_x, wanted_y}, false, found);

@@ -18,8 +18,10 @@ Vec3 crossing_point(Vec3 p, Vec3 q, const Vec3 f[3]) {
             const double op = dot(outward, p - f[k]), oq = dot(outward, q - f[k]);
             if (op == oq) continue;
             const double at = op / (op - oq);
-            if (oq > op) hi = lesser(hi, at);
-            else lo = greater(lo, at);
+            if (oq > op)
+                hi = lesser(hi, at);
+            else
+                lo = greater(lo, at);
         }
         return p + 0.5 * (lesser(greater(lo, 0), 1) + lesser(greater(hi, 0), 1)) * (q - p);
     }

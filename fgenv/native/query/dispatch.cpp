@@ -27,8 +27,8 @@ Choice choose() {
     const char* expected = std::getenv("FGENV_ISA");
     const std::string name = expected ? expected : "";
 #if defined(__x86_64__)
-    const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                        __builtin_cpu_supports("bmi2");
+    const bool has_v3 =
+        __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
     if (name == "v3" && !has_v3) throw std::runtime_error("FGENV_ISA=v3: this processor has no AVX2");
     if (name == "v3" || (name.empty() && has_v3)) return {"v3", &v3::table};
 #endif

@@ -34,12 +34,11 @@ static inline void orient3d(const Three& a, const Three& b, const Three& c, cons
 }
 
 static inline bool on_segment_2d(const double a[2], const double b[2], const double p[2]) {
-    return lesser(a[0], b[0]) <= p[0] && p[0] <= greater(a[0], b[0]) &&
-           lesser(a[1], b[1]) <= p[1] && p[1] <= greater(a[1], b[1]);
+    return lesser(a[0], b[0]) <= p[0] && p[0] <= greater(a[0], b[0]) && lesser(a[1], b[1]) <= p[1] &&
+           p[1] <= greater(a[1], b[1]);
 }
 
-static inline bool segments_meet_2d(const double p[2], const double q[2], const double a[2],
-                                    const double b[2]) {
+static inline bool segments_meet_2d(const double p[2], const double q[2], const double a[2], const double b[2]) {
     const int pa = orient2d(p, q, a), pb = orient2d(p, q, b);
     const int ap = orient2d(a, b, p), aq = orient2d(a, b, q);
     if (pa * pb < 0 && ap * aq < 0) return true;

@@ -11,7 +11,7 @@ struct FacesF {
     F8 v[3][3];  // vertex, axis
     F8 n[3];     // normal, not normalized
     F8 lo[3], hi[3];
-    F8 scale;    // sum of the lengths of two sides (1-norm)
+    F8 scale;  // sum of the lengths of two sides (1-norm)
 };
 
 // Float errors of a leaf pair in the frame of a's leaf; `size` bounds the 1-norm of every difference of
@@ -44,18 +44,17 @@ FGENV_INLINE void load_faces(const Leaf& leaf, const float r[3][3], const float 
 }
 
 // Both leaves of a pair in a's frame, moved to the center of a's leaf; b's center ends up at `shift`.
-FGENV_INLINE Local load_leaves(const Leaf& la, const Leaf& lb, const Rigid& pose, const PairFrame& frame,
-                               FacesF& a, FacesF& b, float shift[3]) {
+FGENV_INLINE Local load_leaves(const Leaf& la, const Leaf& lb, const Rigid& pose, const PairFrame& frame, FacesF& a,
+                               FacesF& b, float shift[3]) {
     // The centers are subtracted in double.
-    const Vec3 center = apply(pose, {lb.center[0], lb.center[1], lb.center[2]}) -
-                        Vec3{la.center[0], la.center[1], la.center[2]};
+    const Vec3 center =
+        apply(pose, {lb.center[0], lb.center[1], lb.center[2]}) - Vec3{la.center[0], la.center[1], la.center[2]};
     shift[0] = static_cast<float>(center.x);
     shift[1] = static_cast<float>(center.y);
     shift[2] = static_cast<float>(center.z);
     load_faces(la, a);
     load_faces(lb, frame.r, shift, b);
-    return local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) +
-                        std::fabs(shift[2]));
+    return local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) + std::fabs(shift[2]));
 }
 
 FGENV_INLINE void find_boxes(FacesF& f) {
@@ -80,8 +79,7 @@ FGENV_INLINE void find_normals(FacesF& f) {
 }
 
 // Which faces may meet a box: the box's axes, then their own planes.
-FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], const Local& local,
-                               uint32_t among) {
+FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], const Local& local, uint32_t among) {
     find_boxes(f);
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i)
@@ -100,8 +98,8 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], 
 // The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
 // Faces that are larger than the box are asked by their upright boxes as well. `box.c` is relative to the
 // faces' origin; `slack` holds the errors of placing it.
-FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, const Local& local,
-                               uint32_t among, bool larger) {
+FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, const Local& local, uint32_t among,
+                               bool larger) {
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
         const F8 x = splat(box.axis[i][0]), y = splat(box.axis[i][1]), z = splat(box.axis[i][2]);
@@ -125,7 +123,8 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, con
     find_normals(f);
     F8 at_center = F8{}, radius = f.scale * splat(local.volume_slack * local.size);
     for (int i = 0; i < 3; ++i) {
-        const F8 along_axis = fused(f.n[2], splat(box.axis[i][2]), fused(f.n[1], splat(box.axis[i][1]), f.n[0] * splat(box.axis[i][0])));
+        const F8 along_axis =
+            fused(f.n[2], splat(box.axis[i][2]), fused(f.n[1], splat(box.axis[i][1]), f.n[0] * splat(box.axis[i][0])));
         at_center = fused(f.n[i], splat(box.c[i]) - f.v[0][i], at_center);
         radius = fused(abs(f.n[i]), splat(slack), fused(abs(along_axis), splat(box.h[i]), radius));
     }
@@ -150,12 +149,10 @@ FGENV_INLINE void around(const FacesF& f, uint32_t among, float lo[3], float hi[
 // Which of eight faces g may meet face i of f: boxes, the two planes, then the nine products of sides.
 // For the axis u x w of sides u of f and w of g the shapes' extents along it are the plane values
 // already at hand (n_f . w and n_g . u), so one triple product an axis is left.
-FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Local& local,
-                               uint32_t among) {
+FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Local& local, uint32_t among) {
     I8 meet = I8{} == 0;
     for (int x = 0; x < 3; ++x)
-        meet &= (g.lo[x] <= splat(f.hi[x][i] + local.slack)) &
-                (g.hi[x] >= splat(f.lo[x][i] - local.slack));
+        meet &= (g.lo[x] <= splat(f.hi[x][i] + local.slack)) & (g.hi[x] >= splat(f.lo[x][i] - local.slack));
     among &= bits(meet);
     if (!among) return 0;
 
@@ -165,21 +162,18 @@ FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Lo
     F8 g_side[3], f_side[3];  // of the plane of the other
     for (int k = 0; k < 3; ++k) {
         g_side[k] = zero;
-        for (int x = 0; x < 3; ++x)
-            g_side[k] = fused(splat(f.n[x][i]), g.v[k][x] - splat(f.v[0][x][i]), g_side[k]);
+        for (int x = 0; x < 3; ++x) g_side[k] = fused(splat(f.n[x][i]), g.v[k][x] - splat(f.v[0][x][i]), g_side[k]);
     }
-    meet = (min(min(g_side[0], g_side[1]), g_side[2]) <= own) &
-           (max(max(g_side[0], g_side[1]), g_side[2]) >= -own);
+    meet = (min(min(g_side[0], g_side[1]), g_side[2]) <= own) & (max(max(g_side[0], g_side[1]), g_side[2]) >= -own);
     among &= bits(meet);
     if (!among) return 0;
 
     for (int k = 0; k < 3; ++k) {
         f_side[k] = zero;
-        for (int x = 0; x < 3; ++x)
-            f_side[k] = fused(g.n[x], splat(f.v[k][x][i]) - g.v[0][x], f_side[k]);
+        for (int x = 0; x < 3; ++x) f_side[k] = fused(g.n[x], splat(f.v[k][x][i]) - g.v[0][x], f_side[k]);
     }
-    meet = (min(min(f_side[0], f_side[1]), f_side[2]) <= theirs) &
-           (max(max(f_side[0], f_side[1]), f_side[2]) >= -theirs);
+    meet =
+        (min(min(f_side[0], f_side[1]), f_side[2]) <= theirs) & (max(max(f_side[0], f_side[1]), f_side[2]) >= -theirs);
     among &= bits(meet);
     if (!among) return 0;
 

@@ -26,8 +26,8 @@ FGENV_INLINE D4 clamped(D4 x) { return min(max(x, splat(0.0)), splat(1.0)); }
 FGENV_INLINE D4 reciprocal(D4 x) { return x > splat(0.0) ? splat(1.0) / x : splat(0.0); }
 
 // Parameters of the nearest points of p + s u and q + t w, 0 <= s, t <= 1; the squared distance.
-FGENV_INLINE D4 segments(const V4 p, const V4 u, D4 uu, D4 inv_uu, const V4 q, const V4 w, D4 ww,
-                         D4 inv_ww, D4& s, D4& t) {
+FGENV_INLINE D4 segments(const V4 p, const V4 u, D4 uu, D4 inv_uu, const V4 q, const V4 w, D4 ww, D4 inv_ww, D4& s,
+                         D4& t) {
     V4 r;
     subtract(p, q, r);
     const D4 ur = dot(u, r), wr = dot(w, r), uw = dot(u, w);
@@ -39,7 +39,7 @@ FGENV_INLINE D4 segments(const V4 p, const V4 u, D4 uu, D4 inv_uu, const V4 q, c
 }
 
 struct Faces {
-    V4 v[3], side[3];  // side k from vertex k to k + 1
+    V4 v[3], side[3];             // side k from vertex k to k + 1
     D4 length[3], inv_length[3];  // squared
     V4 n;
     D4 inv_n;  // of the squared normal

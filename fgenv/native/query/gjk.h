@@ -25,7 +25,8 @@ static inline Vec3 nearest_of_edge(Simplex& s, Vec3 a, Vec3 b) {
 
 static inline Vec3 nearest_of_face(Simplex& s, Vec3 a, Vec3 b, Vec3 c) {
     const Vec3 ab = b - a, ac = c - a;
-    const double d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c), d6 = -dot(ac, c);
+    const double d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c),
+                 d6 = -dot(ac, c);
     const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_of_edge(s, a, b);
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return nearest_of_edge(s, a, c);

@@ -53,7 +53,8 @@ bool surfaces_meet(const Query& q) {
             stack[top] = split_a ? Pair{static_cast<Ref>(lanes * ca + k), pair.b}
                                  : Pair{pair.a, static_cast<Ref>(lanes * cb + k)};
             __builtin_prefetch(split_a ? &boxes_a[stack[top].a] : &boxes_b[stack[top].b]);
-            if (centers[k] < nearest) nearest = centers[k];
+            if (centers[k] < nearest)
+                nearest = centers[k];
             else {
                 const Pair last = stack[top];
                 stack[top] = stack[top - 1];
@@ -73,8 +74,7 @@ bool chords_meet(const Shape& a, const Shape& b, const Rigid& pose, Witness* wit
         const Vec3 q = a.mesh.vertices[a.graph.points[a.graph.edges[i][1]]];
         const int32_t face = segment(b, apply(a_in_b, p), apply(a_in_b, q));
         if (face < 0) continue;
-        if (witness)
-            *witness = {Witness::chord_of_a, -1, face, static_cast<int32_t>(i), {0, 0, 0}};
+        if (witness) *witness = {Witness::chord_of_a, -1, face, static_cast<int32_t>(i), {0, 0, 0}};
         return true;
     }
     return false;
@@ -91,8 +91,10 @@ bool collide(const Shape& a, const Shape& b, const Rigid& pose, bool lossless, W
     if (surfaces_meet(query)) return true;
     Vec3 point;
     Witness::Side side = Witness::none;
-    if (contained(b, a, pose, frame, query.frames.a_in_b, point)) side = Witness::b_inside_a;
-    else if (contained(a, b, inverse(pose), query.frames.a_in_b, frame, point)) side = Witness::a_inside_b;
+    if (contained(b, a, pose, frame, query.frames.a_in_b, point))
+        side = Witness::b_inside_a;
+    else if (contained(a, b, inverse(pose), query.frames.a_in_b, frame, point))
+        side = Witness::a_inside_b;
     if (side == Witness::none) return false;
     if (witness) *witness = {side, -1, -1, -1, point};
     return true;

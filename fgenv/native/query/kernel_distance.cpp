@@ -11,8 +11,8 @@ FGENV_INLINE D4 squared_distances(const Faces& f, const Faces& g) {
     D4 best = splat(HUGE_VAL), s, t;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            best = min(best, segments(f.v[i], f.side[i], f.length[i], f.inv_length[i], g.v[j], g.side[j],
-                                      g.length[j], g.inv_length[j], s, t));
+            best = min(best, segments(f.v[i], f.side[i], f.length[i], f.inv_length[i], g.v[j], g.side[j], g.length[j],
+                                      g.inv_length[j], s, t));
     for (int i = 0; i < 3; ++i) {
         best = min(best, above_face(f.v[i], g));
         best = min(best, above_face(g.v[i], f));
@@ -86,8 +86,7 @@ void nearest_points(const Corners& a, const Corners& b, Nearest& out) {
 // to the upright box around the other; and the gap along `towards`, a unit vector from the node to the
 // box. `order`: the distance of the centers breaks ties between boxes
 // that overlap.
-FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const float towards[3], float slack,
-                             F8& order) {
+FGENV_INLINE F8 lower_bounds(const Oriented& n, const PlacedBox& box, const float towards[3], float slack, F8& order) {
     F8 d[3], h[3], axis[3][3], abs_r[3][3], here = F8{}, there = F8{};
     load_axes(n, axis);
     for (int k = 0; k < 3; ++k) {
@@ -212,7 +211,8 @@ FGENV_INLINE uint32_t within(const FacesF& f, int i, const FacesF& g, const Loca
                              uint32_t among) {
     F8 gaps = F8{};
     for (int x = 0; x < 3; ++x) {
-        const F8 gap = max(max(g.lo[x] - splat(f.hi[x][i]), splat(f.lo[x][i]) - g.hi[x]) - splat(2 * local.slack), F8{});
+        const F8 gap =
+            max(max(g.lo[x] - splat(f.hi[x][i]), splat(f.lo[x][i]) - g.hi[x]) - splat(2 * local.slack), F8{});
         gaps += gap * gap;
     }
     among &= bits(gaps <= splat(radius * radius));

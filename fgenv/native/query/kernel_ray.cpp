@@ -1,7 +1,7 @@
 // Rays, segments and winding numbers on the tree of one shape.
+#include "math/lanes.h"
 #include "query/edge_face.h"
 #include "query/kernels.h"
-#include "math/lanes.h"
 
 namespace fgenv::FGENV_ISA {
 namespace {
@@ -9,8 +9,7 @@ namespace {
 constexpr int stack_size = max_depth * (lanes - 1) + lanes;
 
 // Which boxes of a node a segment o + s d, 0 <= s <= reach, may pass; entry distances for the order.
-FGENV_INLINE uint32_t passed(const Node& n, const double o[3], const double inv[3], double reach,
-                             F8& entry) {
+FGENV_INLINE uint32_t passed(const Node& n, const double o[3], const double inv[3], double reach, F8& entry) {
     // Floats with outward slack: the entry is rounded down and the exit up by more than the error of
     // the subtraction and the product, relative to the numbers that enter.
     F8 near = splat(0.0f), far = splat(static_cast<float>(reach) * 1.000001f);

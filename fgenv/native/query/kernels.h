@@ -18,8 +18,8 @@ struct Witness {
 };
 
 struct Nearest {
-    double squared;       // of the distance
-    Vec3 on_a, on_b;      // in a's frame
+    double squared;   // of the distance
+    Vec3 on_a, on_b;  // in a's frame
     int32_t face_a, face_b;
 };
 
@@ -78,8 +78,8 @@ struct Kernels {
     Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
 };
 
-const Kernels& kernels();        // the table in use
-const char* kernels_name();      // "v3", "baseline"
+const Kernels& kernels();    // the table in use
+const char* kernels_name();  // "v3", "baseline"
 
 // Whether two bodies collide or are nearer than `margin` (meters), which only the exact graphs tell.
 static inline bool hits(const Shape& a, const Shape& b, const Rigid& b_in_a, double margin, bool lossless) {

@@ -13,9 +13,9 @@
 namespace fgenv {
 
 struct PairFrame {
-    F4 columns[3], shift;    // of the rotation; the translation
+    F4 columns[3], shift;  // of the rotation; the translation
     float r[3][3], t[3];
-    float slack;             // meters, on a coordinate
+    float slack;  // meters, on a coordinate
 };
 
 struct BoxF {
@@ -49,16 +49,14 @@ static inline PairFrame pair_frame(const float r[3][3], const float t[3], float 
 }
 
 static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid& pose) {
-    const double reach = std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]) +
-                         1.8 * (a.reach + b.reach);
+    const double reach = std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]) + 1.8 * (a.reach + b.reach);
     const float slack = static_cast<float>((64 * 0x1p-24 + 4 * skew(pose)) * reach);
     float r[3][3], transposed[3][3], t[3], back[3];
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) r[i][j] = transposed[j][i] = static_cast<float>(pose.r[i][j]);
         t[i] = static_cast<float>(pose.t[i]);
         // The transpose will do for the inverse: what they differ by is in the slack.
-        back[i] = static_cast<float>(
-            -(pose.r[0][i] * pose.t[0] + pose.r[1][i] * pose.t[1] + pose.r[2][i] * pose.t[2]));
+        back[i] = static_cast<float>(-(pose.r[0][i] * pose.t[0] + pose.r[1][i] * pose.t[1] + pose.r[2][i] * pose.t[2]));
     }
     return {pair_frame(r, t, slack), pair_frame(transposed, back, slack)};
 }
@@ -73,8 +71,8 @@ static inline BoxF placed(const BoxF& box, const PairFrame& f) {
     BoxF out;
     for (int i = 0; i < 3; ++i) {
         out.c[i] = f.r[i][0] * box.c[0] + f.r[i][1] * box.c[1] + f.r[i][2] * box.c[2] + f.t[i];
-        out.h[i] = std::fabs(f.r[i][0]) * box.h[0] + std::fabs(f.r[i][1]) * box.h[1] +
-                   std::fabs(f.r[i][2]) * box.h[2] + f.slack;
+        out.h[i] = std::fabs(f.r[i][0]) * box.h[0] + std::fabs(f.r[i][1]) * box.h[1] + std::fabs(f.r[i][2]) * box.h[2] +
+                   f.slack;
     }
     return out;
 }

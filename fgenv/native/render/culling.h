@@ -67,7 +67,7 @@ static inline bool passes(const Box& box, Vec3 o, Vec3 inverse, double reach) {
 }
 
 struct Sight {
-    double distance = HUGE_VAL;  // meters
+    double distance = HUGE_VAL;    // meters
     int32_t body = -1, face = -1;  // the first: in the order of the list
 };
 

@@ -15,10 +15,18 @@ void write(const SrgbTable& table, Vec3 light, uint8_t* out) {
 
 Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
                  const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing)
-    : scene_(scene), view_(view), sun_(sun_frame(scene.light.sun)), has_ground_(ground.has_value()),
-      ground_(ground.value_or(Ground{0, 1, 1, {0, 0, 0}})), marks_(std::move(marks)), antialiasing_(antialiasing),
-      slope_per_pixel_(1 / view.pixels_per_slope), per_grid_(1 / ground_.grid), per_fade_(1 / ground_.fade),
-      columns_((view.width + side - 1) / side), rows_((view.height + side - 1) / side),
+    : scene_(scene),
+      view_(view),
+      sun_(sun_frame(scene.light.sun)),
+      has_ground_(ground.has_value()),
+      ground_(ground.value_or(Ground{0, 1, 1, {0, 0, 0}})),
+      marks_(std::move(marks)),
+      antialiasing_(antialiasing),
+      slope_per_pixel_(1 / view.pixels_per_slope),
+      per_grid_(1 / ground_.grid),
+      per_fade_(1 / ground_.fade),
+      columns_((view.width + side - 1) / side),
+      rows_((view.height + side - 1) / side),
       pixels_(static_cast<size_t>(view.width) * view.height) {
     for (size_t i = 0; i < poses.size(); ++i)
         bodies_.push_back(place(*scene.bodies[i].shape, static_cast<int32_t>(i), poses[i], view, sun_));

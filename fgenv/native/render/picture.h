@@ -20,10 +20,10 @@ struct PaintedBody {
 };
 
 struct Lighting {
-    Vec3 sun;               // unit vector to it
+    Vec3 sun;  // unit vector to it
     double strength;
-    Vec3 above, below;      // light of the sky and from the ground
-    Vec3 zenith, horizon;   // the sky as seen
+    Vec3 above, below;     // light of the sky and from the ground
+    Vec3 zenith, horizon;  // the sky as seen
 };
 
 struct Ground {
@@ -50,8 +50,8 @@ struct Antialiasing {
 // One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread.
 class Picture {
 public:
-    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
-            const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing);
+    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view, const std::optional<Ground>& ground,
+            std::vector<Mark> marks, Antialiasing antialiasing);
 
     int64_t tiles() const { return static_cast<int64_t>(columns_) * rows_; }
     void look(int64_t first, int64_t last);

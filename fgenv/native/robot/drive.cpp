@@ -6,7 +6,7 @@ namespace fgenv {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double there = 0.02;     // meters: so near to its position a base only turns
+constexpr double there = 0.02;      // meters: so near to its position a base only turns
 constexpr double off_course = 0.6;  // radians: farther off, a differential drive turns on the spot
 
 double clamped(double x, double low, double high) { return lesser(greater(x, low), high); }
@@ -58,7 +58,8 @@ void drive_free(const Twist& u, const double* q, double dt, double* out) {
     to_matrix({q[3], q[4], q[5], q[6]}, r);
     for (int i = 0; i < 3; ++i) out[i] = q[i] + r[i][0] * x + r[i][1] * y + r[i][2] * (u.vz * dt);
     sin_cos(0.5 * u.turn_rate * dt, s, c);
-    const Quaternion turned = normalized({q[3] * c + q[4] * s, q[4] * c - q[3] * s, q[5] * c + q[6] * s, q[6] * c - q[5] * s});
+    const Quaternion turned =
+        normalized({q[3] * c + q[4] * s, q[4] * c - q[3] * s, q[5] * c + q[6] * s, q[6] * c - q[5] * s});
     out[3] = turned.x, out[4] = turned.y, out[5] = turned.z, out[6] = turned.w;
 }
 
@@ -117,7 +118,8 @@ void drive_on(const Robot& robot, const Drive& drive, const double* action, cons
     const int32_t n = size(base), nq = robot.nq();
     const Twist u = twist_of(drive, action);
     std::copy(q, q + n, out);
-    if (drive.base != DriveKind::none) base == JointKind::planar ? drive_planar(u, q, dt, out) : drive_free(u, q, dt, out);
+    if (drive.base != DriveKind::none)
+        base == JointKind::planar ? drive_planar(u, q, dt, out) : drive_free(u, q, dt, out);
     const bool joints = drive.n_actions() > base_actions(drive.base);
     for (int32_t i = n; i < nq; ++i) {
         const double moved = joints ? q[i] + dt * action[base_actions(drive.base) + i - n] : q[i];
@@ -138,7 +140,8 @@ Offset offset_to(const Robot& robot, const double* q, const double* target) {
     to_matrix({q[3], q[4], q[5], q[6]}, r);
     Offset out;
     for (int i = 0; i < 3; ++i) out.by[i] = r[0][i] * d[0] + r[1][i] * d[1] + r[2][i] * d[2];
-    const Quaternion turn = relative(Quaternion{q[3], q[4], q[5], q[6]}, Quaternion{target[3], target[4], target[5], target[6]});
+    const Quaternion turn =
+        relative(Quaternion{q[3], q[4], q[5], q[6]}, Quaternion{target[3], target[4], target[5], target[6]});
     out.turn = change(Coordinate::angle, 0, 2 * arc_tangent(turn.z, turn.w));
     return out;
 }
@@ -179,7 +182,8 @@ int32_t way_point_size(const Robot& robot, const Drive& drive) {
     return joints + (robot.joints[0].kind == JointKind::planar ? 3 : 4);
 }
 
-void way_point(const Robot& robot, const Drive& drive, const double* q, const double* asked, double seconds, double* out) {
+void way_point(const Robot& robot, const Drive& drive, const double* q, const double* asked, double seconds,
+               double* out) {
     const JointKind kind = robot.joints[0].kind;
     const int32_t base = size(kind), n = base_actions(drive.base);
     std::copy(q, q + robot.nq(), out);
@@ -201,7 +205,8 @@ void way_point(const Robot& robot, const Drive& drive, const double* q, const do
     }
     for (int32_t i = n; i < drive.n_actions(); ++i) {
         const int32_t k = base + i - n;
-        out[k] = between(robot.coordinates[k], q[k], q[k] + drive.limits[i].high * seconds * clamped(asked[i - n], -1, 1), 1);
+        out[k] = between(robot.coordinates[k], q[k],
+                         q[k] + drive.limits[i].high * seconds * clamped(asked[i - n], -1, 1), 1);
     }
     for (int32_t i = 0; i < robot.nq(); ++i)
         if (robot.coordinates[i] == Coordinate::linear) out[i] = clamped(out[i], drive.lower[i], drive.upper[i]);

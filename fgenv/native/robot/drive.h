@@ -53,6 +53,7 @@ void toward(const Robot& robot, const Drive& drive, const double* q, const doubl
 // A way point asked for, in [-1, 1]: x, y (z of a drone) and yaw of the base from where it is, in its own
 // frame, then the joints; how many numbers, and the configuration. As far as the speeds reach in `seconds`.
 int32_t way_point_size(const Robot& robot, const Drive& drive);
-void way_point(const Robot& robot, const Drive& drive, const double* q, const double* asked, double seconds, double* out);
+void way_point(const Robot& robot, const Drive& drive, const double* q, const double* asked, double seconds,
+               double* out);
 
 }  // namespace fgenv

@@ -45,7 +45,8 @@ public:
         word_ = word;
     }
     Word take() {
-        word_.erase(std::remove_if(word_.begin(), word_.end(), [](const CarPiece& p) { return p.length == 0; }), word_.end());
+        word_.erase(std::remove_if(word_.begin(), word_.end(), [](const CarPiece& p) { return p.length == 0; }),
+                    word_.end());
         return std::move(word_);
     }
 
@@ -72,7 +73,8 @@ std::vector<CarPiece> dubins(double x, double y, double yaw) {
                 straight = std::sqrt(greater(0, d * d - 4));
                 heading = direction + first * arc_tangent(2, straight);
             }
-            best.offer({{first, once_around(first * heading)}, {0, straight}, {last, once_around(last * (yaw - heading))}});
+            best.offer(
+                {{first, once_around(first * heading)}, {0, straight}, {last, once_around(last * (yaw - heading))}});
         }
     for (const int turn : {1, -1}) {
         const double cx = x - turn * end.s, cy = y + turn * end.c - turn, d = std::hypot(cx, cy);
@@ -152,7 +154,8 @@ Lengths lrsl(const Target& g) {  // L+ R-(pi/2) S- L-
     const Sine a(g.yaw);
     const Polar p(g.x - a.s, g.y - 1 + a.c);
     if (p.r < 2) return {};
-    const double r = std::sqrt(p.r * p.r - 4), u = 2 - r, t = half_around(p.angle + arc_tangent(r, -2)), v = half_around(g.yaw - 0.5 * pi - t);
+    const double r = std::sqrt(p.r * p.r - 4), u = 2 - r, t = half_around(p.angle + arc_tangent(r, -2)),
+                 v = half_around(g.yaw - 0.5 * pi - t);
     return lengths(t, u, v, t >= -slack && u <= slack && v <= slack);
 }
 Lengths lrsr(const Target& g) {  // L+ R-(pi/2) S- R-
@@ -170,7 +173,8 @@ Lengths lrslr(const Target& g) {  // L+ R-(pi/2) S- L-(pi/2) R+
     if (p.r < 2) return {};
     const double u = 4 - std::sqrt(p.r * p.r - 4);
     if (u > 0) return {};
-    const double t = half_around(arc_tangent((4 - u) * xi - 2 * eta, -2 * xi + (u - 4) * eta)), v = half_around(t - g.yaw);
+    const double t = half_around(arc_tangent((4 - u) * xi - 2 * eta, -2 * xi + (u - 4) * eta)),
+                 v = half_around(t - g.yaw);
     return lengths(t, u, v, t >= -slack && v >= -slack);
 }
 

@@ -61,8 +61,7 @@ void RobotMotion::bound(const Joint& joint, const Rigid& held, Link& link) const
     switch (joint.kind) {
         case JointKind::fixed: return;
         case JointKind::revolute:
-        case JointKind::continuous:
-            return link.chain.turn(origin(held), rotate(held, joint.axis), change_of(joint, 0));
+        case JointKind::continuous: return link.chain.turn(origin(held), rotate(held, joint.axis), change_of(joint, 0));
         case JointKind::prismatic:
             return link.chain.shift(origin(carry(joint, held, 0)), origin(carry(joint, held, 1)),
                                     rotate(held, joint.axis), change_of(joint, 0));
@@ -141,7 +140,10 @@ Acceleration RobotMotion::acceleration(int32_t link, const Rigid& offset) const 
 }
 
 LinkMotion::LinkMotion(const RobotMotion& robot, int32_t link, const Rigid* offset)
-    : robot_(&robot), link_(link), offset_(offset ? *offset : identity()), has_offset_(offset != nullptr),
+    : robot_(&robot),
+      link_(link),
+      offset_(offset ? *offset : identity()),
+      has_offset_(offset != nullptr),
       acceleration_(robot.acceleration(link, offset_)) {}
 
 LinkMotion LinkMotion::retimed(double begin, double rate) const {

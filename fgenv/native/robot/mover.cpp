@@ -11,7 +11,8 @@ Frames frames_at(const Robot* robot, const Place& place) {
     return out;
 }
 
-std::pair<PartMotion, PartMotion> MoverMotion::beside(int32_t a, const Rigid* held_a, int32_t b, const Rigid* held_b) const {
+std::pair<PartMotion, PartMotion> MoverMotion::beside(int32_t a, const Rigid* held_a, int32_t b,
+                                                      const Rigid* held_b) const {
     const int32_t link = common_link(*robot_, a, b);
     std::unique_ptr<RobotMotion>& seen = seen_from_[link];
     if (!seen) {

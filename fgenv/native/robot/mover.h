@@ -53,7 +53,9 @@ class MoverMotion {
 public:
     MoverMotion() = default;
     MoverMotion(const Robot* robot, const Place& from, const Place& to)
-        : robot_(robot), from_(&from), to_(&to),
+        : robot_(robot),
+          from_(&from),
+          to_(&to),
           tree_(robot ? std::make_unique<RobotMotion>(*robot, from.q.data(), to.q.data()) : nullptr) {}
 
     // Held in the frame of `link` at `offset`; null: the body itself.

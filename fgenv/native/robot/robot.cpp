@@ -21,8 +21,7 @@ Rigid turned_about(const Rigid& at, Vec3 k, double angle) {
                             {v * k.z * k.x - s * k.y, v * k.z * k.y + s * k.x, c + v * k.z * k.z}};
     Rigid out = at;
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            out.r[i][j] = at.r[i][0] * r[0][j] + at.r[i][1] * r[1][j] + at.r[i][2] * r[2][j];
+        for (int j = 0; j < 3; ++j) out.r[i][j] = at.r[i][0] * r[0][j] + at.r[i][1] * r[1][j] + at.r[i][2] * r[2][j];
     return out;
 }
 
@@ -66,7 +65,8 @@ int32_t common_link(const Robot& robot, int32_t a, int32_t b) {
     return a;
 }
 
-std::vector<double> held_up_to(const Robot& robot, int32_t link, const std::vector<double>& q0, std::vector<double> q1) {
+std::vector<double> held_up_to(const Robot& robot, int32_t link, const std::vector<double>& q0,
+                               std::vector<double> q1) {
     std::vector<bool> carries(robot.n_links(), false), held(q1.size(), true);
     for (int32_t i = link; i >= 0; i = robot.joints[i].parent) carries[i] = true;
     for (int32_t i = 0; i < robot.n_links(); ++i)
@@ -90,7 +90,8 @@ void interpolate(const Robot& robot, const double* q0, const double* q1, double 
             out[i] = between(robot.coordinates[i], q0[i], q1[i], t);
             continue;
         }
-        const Quaternion q = Slerp({q0[i], q0[i + 1], q0[i + 2], q0[i + 3]}, {q1[i], q1[i + 1], q1[i + 2], q1[i + 3]}).at(t);
+        const Quaternion q =
+            Slerp({q0[i], q0[i + 1], q0[i + 2], q0[i + 3]}, {q1[i], q1[i + 1], q1[i + 2], q1[i + 3]}).at(t);
         out[i] = q.x, out[i + 1] = q.y, out[i + 2] = q.z, out[i + 3] = q.w;
         i += 3;
     }
@@ -103,11 +104,14 @@ double distance(const Robot& robot, const double* weights, const double* q0, con
     for (int32_t i = 0; i < robot.nq(); ++i) {
         const double by = change(robot.coordinates[i], q0[i], q1[i]);
         const double moved = by == 0 ? 0 : weights[i] * by;  // a weight may be infinite
-        if (i < place) squared += moved * moved;
-        else if (robot.coordinates[i] != Coordinate::rotation) sum += std::fabs(moved);
+        if (i < place)
+            squared += moved * moved;
+        else if (robot.coordinates[i] != Coordinate::rotation)
+            sum += std::fabs(moved);
         else if (i == place)
-            sum += weights[i] * norm(Slerp({q0[i], q0[i + 1], q0[i + 2], q0[i + 3]},
-                                           {q1[i], q1[i + 1], q1[i + 2], q1[i + 3]}).turn());
+            sum +=
+                weights[i] *
+                norm(Slerp({q0[i], q0[i + 1], q0[i + 2], q0[i + 3]}, {q1[i], q1[i + 1], q1[i + 2], q1[i + 3]}).turn());
     }
     return std::sqrt(squared) + sum;
 }

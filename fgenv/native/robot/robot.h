@@ -22,8 +22,8 @@ struct Joint {
     JointKind kind = JointKind::fixed;
     int32_t parent = -1;  // link, before this one; -1: the world
     Rigid origin = identity();
-    Vec3 axis{0, 0, 1};            // unit
-    int32_t first = 0;             // of its coordinates
+    Vec3 axis{0, 0, 1};                 // unit
+    int32_t first = 0;                  // of its coordinates
     double multiplier = 1, offset = 0;  // mimic: of the coordinate of another joint
 };
 

@@ -13,7 +13,8 @@ struct Spot {
     double x, y, yaw;
 };
 
-void add_row(const Robot& robot, const double* q0, const double* q1, double t, const Spot& at, std::vector<double>& rows) {
+void add_row(const Robot& robot, const double* q0, const double* q1, double t, const Spot& at,
+             std::vector<double>& rows) {
     const size_t begin = rows.size();
     rows.resize(begin + robot.nq());
     double* row = rows.data() + begin;
@@ -28,7 +29,8 @@ void turn_drive_turn(const Robot& robot, bool reverse, const double* q0, const d
     if (dx * dx + dy * dy < same_place * same_place) return;
     const double ahead = arc_tangent(dy, dx);
     const auto turns = [&](double heading) {
-        return std::fabs(change(Coordinate::angle, q0[2], heading)) + std::fabs(change(Coordinate::angle, heading, q1[2]));
+        return std::fabs(change(Coordinate::angle, q0[2], heading)) +
+               std::fabs(change(Coordinate::angle, heading, q1[2]));
     };
     const double heading = reverse && turns(ahead + pi) < turns(ahead) ? ahead + pi : ahead;
     add_row(robot, q0, q1, 1.0 / 3, {q0[0], q0[1], heading}, rows);
@@ -46,7 +48,8 @@ Spot along(const Spot& from, int turn, double length) {
     return {from.x + turn * (s1 - s), from.y - turn * (c1 - c), yaw};
 }
 
-void drive(const Robot& robot, const Steering& steering, const double* q0, const double* q1, std::vector<double>& rows) {
+void drive(const Robot& robot, const Steering& steering, const double* q0, const double* q1,
+           std::vector<double>& rows) {
     double s, c;
     sin_cos(q0[2], s, c);
     const double r = steering.radius, dx = (q1[0] - q0[0]) / r, dy = (q1[1] - q0[1]) / r;

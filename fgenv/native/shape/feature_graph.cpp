@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "shape/patches.h"
 #include "math/predicates.h"
+#include "shape/patches.h"
 
 namespace fgenv {
 namespace {
@@ -38,8 +38,7 @@ bool is_crease(const Mesh& mesh, const Edge& e, const GraphSettings& s) {
 
 // Coplanar and turned the same way: two faces folded flat onto each other end at their edge.
 bool is_flat(const Mesh& mesh, const Edge& e) {
-    return fold(mesh, e) == 0 &&
-           dot(area_vector(mesh, e.face[0]), area_vector(mesh, e.face[1])) > 0;
+    return fold(mesh, e) == 0 && dot(area_vector(mesh, e.face[0]), area_vector(mesh, e.face[1])) > 0;
 }
 
 // Numbers the vertices of the kept edges as points, in the order met.
@@ -126,8 +125,7 @@ FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings) {
     for (size_t i = 0; i < mesh.edges.size(); ++i) {
         const Edge& e = mesh.edges[i];
         if (graph.kept[i])
-            build.edge(e, settings.method == Method::tolerance && two_faced(e) ? Kind::patch
-                                                                               : kind_of(mesh, e));
+            build.edge(e, settings.method == Method::tolerance && two_faced(e) ? Kind::patch : kind_of(mesh, e));
     }
     return graph;
 }

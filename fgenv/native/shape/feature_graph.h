@@ -16,12 +16,12 @@ struct GraphSettings {
 
 struct FeatureGraph {
     GraphSettings settings;
-    std::vector<int32_t> points;                  // vertices of the mesh
-    std::vector<std::array<int32_t, 2>> edges;    // into points
-    std::vector<Kind> kinds;                      // per edge
-    std::vector<uint8_t> kept;                    // per edge of the mesh: it is in the graph
-    std::vector<uint8_t> lossless;                // per edge of the mesh: it is in the exact graph
-    double certificate = 0;                       // meters; infinite: no bound; NaN: none claimed
+    std::vector<int32_t> points;                // vertices of the mesh
+    std::vector<std::array<int32_t, 2>> edges;  // into points
+    std::vector<Kind> kinds;                    // per edge
+    std::vector<uint8_t> kept;                  // per edge of the mesh: it is in the graph
+    std::vector<uint8_t> lossless;              // per edge of the mesh: it is in the exact graph
+    double certificate = 0;                     // meters; infinite: no bound; NaN: none claimed
 };
 
 FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings);

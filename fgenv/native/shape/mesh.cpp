@@ -45,9 +45,9 @@ void merge_vertices(Mesh& mesh) {
     std::vector<Vec3> kept;
     kept.reserve(v.size());
     for (size_t i = 0; i < v.size(); ++i) {
-        const uint64_t hash =
-            bits(v[i].x) * 0xff51afd7ed558ccdull ^ (bits(v[i].y) + 0x1234567) * 0xc4ceb9fe1a85ec53ull ^
-            (bits(v[i].z) + 0x7654321) * 0x2545F4914F6CDD1Dull;
+        const uint64_t hash = bits(v[i].x) * 0xff51afd7ed558ccdull ^
+                              (bits(v[i].y) + 0x1234567) * 0xc4ceb9fe1a85ec53ull ^
+                              (bits(v[i].z) + 0x7654321) * 0x2545F4914F6CDD1Dull;
         int32_t& slot = table.find(hash ^ hash >> 31, [&](int32_t j) { return kept[j] == v[i]; });
         if (slot < 0) {
             slot = static_cast<int32_t>(kept.size());
@@ -75,8 +75,7 @@ void drop_duplicate_faces(Mesh& mesh) {
         const uint64_t hash = static_cast<uint64_t>(key[0]) * 0x8da6b343ull ^
                               static_cast<uint64_t>(key[1]) * 0xd8163841ull ^
                               static_cast<uint64_t>(key[2]) * 0xcb1ab31full;
-        int32_t& slot =
-            table.find(hash, [&](int32_t j) { return smallest_first(kept[j]) == key; });
+        int32_t& slot = table.find(hash, [&](int32_t j) { return smallest_first(kept[j]) == key; });
         if (slot >= 0) continue;
         slot = static_cast<int32_t>(kept.size());
         kept.push_back(f);
@@ -114,9 +113,8 @@ void find_edges(Mesh& mesh) {
         for (int k = 0; k < 3; ++k) {
             const int32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
             const int32_t a = std::min(from, to), b = std::max(from, to);
-            int32_t& slot = table.find(edge_hash(a, b), [&](int32_t e) {
-                return mesh.edges[e].a == a && mesh.edges[e].b == b;
-            });
+            int32_t& slot =
+                table.find(edge_hash(a, b), [&](int32_t e) { return mesh.edges[e].a == a && mesh.edges[e].b == b; });
             if (slot < 0) {
                 slot = static_cast<int32_t>(mesh.edges.size());
                 mesh.edges.push_back({a, b, {static_cast<int32_t>(f), -1}, 1, false});
@@ -128,16 +126,15 @@ void find_edges(Mesh& mesh) {
 }
 
 bool runs_forward(const Face& f, const Edge& e) {
-    return (f[0] == e.a && f[1] == e.b) || (f[1] == e.a && f[2] == e.b) ||
-           (f[2] == e.a && f[0] == e.b);
+    return (f[0] == e.a && f[1] == e.b) || (f[1] == e.a && f[2] == e.b) || (f[2] == e.a && f[0] == e.b);
 }
 
 // True if the faces of every two-faced edge run along it in opposite directions.
 bool find_opposed(Mesh& mesh) {
     bool all = true;
     for (Edge& e : mesh.edges) {
-        e.opposed = e.faces_around == 2 && runs_forward(mesh.faces[e.face[0]], e) !=
-                                               runs_forward(mesh.faces[e.face[1]], e);
+        e.opposed =
+            e.faces_around == 2 && runs_forward(mesh.faces[e.face[0]], e) != runs_forward(mesh.faces[e.face[1]], e);
         all &= e.opposed || e.faces_around != 2;
     }
     return all;
@@ -206,9 +203,8 @@ void find_shells(Mesh& mesh) {
         for (int k = 0; k < 3; ++k) {
             const int32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
             const int32_t a = std::min(from, to), b = std::max(from, to);
-            const int32_t i = table.find(edge_hash(a, b), [&](int32_t e) {
-                return mesh.edges[e].a == a && mesh.edges[e].b == b;
-            });
+            const int32_t i =
+                table.find(edge_hash(a, b), [&](int32_t e) { return mesh.edges[e].a == a && mesh.edges[e].b == b; });
             if (i < 0) continue;
             balance[i] += from == a ? 1 : -1;
             sets.join(mesh.edges[i].face[0], static_cast<int32_t>(f));

@@ -9,10 +9,10 @@ namespace fgenv {
 
 // Two faces at most are told apart; `faces_around` counts them all.
 struct Edge {
-    int32_t a, b;         // vertices, a < b
-    int32_t face[2];      // the first two faces around it, face[1] = -1 on a border
+    int32_t a, b;     // vertices, a < b
+    int32_t face[2];  // the first two faces around it, face[1] = -1 on a border
     int32_t faces_around;
-    bool opposed;         // exactly two faces, and they run along the edge in opposite directions
+    bool opposed;  // exactly two faces, and they run along the edge in opposite directions
 };
 
 // What reading the mesh had to change.
@@ -28,9 +28,9 @@ struct Mesh {
     std::vector<Vec3> vertices;
     std::vector<Face> faces;
     std::vector<Edge> edges;
-    std::vector<int32_t> shell;    // per face: edge-connected component
-    std::vector<uint8_t> closed;   // per shell: it bounds a volume
-    bool watertight = false;       // every shell is closed
+    std::vector<int32_t> shell;   // per face: edge-connected component
+    std::vector<uint8_t> closed;  // per shell: it bounds a volume
+    bool watertight = false;      // every shell is closed
     Box bounds = empty_box();
     Repairs repairs;
     std::vector<std::array<Vec3, 3>> flat;  // the dropped faces of zero area that may close T-junctions

@@ -23,9 +23,9 @@ void moments(const std::vector<Vec3>& corners, double (&m)[3][3]) {
             const double ca = coordinate(c, a);
             sum[a] += w * ca;
             for (int b = 0; b <= a; ++b)
-                square[a][b] += w / 12 *
-                                (9 * ca * coordinate(c, b) + pa * coordinate(p, b) +
-                                 qa * coordinate(q, b) + ra * coordinate(r, b));
+                square[a][b] +=
+                    w / 12 *
+                    (9 * ca * coordinate(c, b) + pa * coordinate(p, b) + qa * coordinate(q, b) + ra * coordinate(r, b));
         }
     }
     for (int a = 0; a < 3; ++a)
@@ -42,8 +42,7 @@ Axes eigenvectors(double (&m)[3][3]) {
             for (int q = p + 1; q < 3; ++q) {
                 if (m[p][q] == 0) continue;
                 const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-                const double t =
-                    (theta >= 0 ? 1 : -1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+                const double t = (theta >= 0 ? 1 : -1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
                 const double c = 1 / std::sqrt(t * t + 1), s = t * c;
                 for (int k = 0; k < 3; ++k) {
                     const double kp = m[k][p], kq = m[k][q];
@@ -130,11 +129,11 @@ OrientedBox fit_box(const std::vector<Vec3>& corners, const Box& upright) {
         e = other;
     }
     OrientedBox box{};
-    const Vec3 c = 0.5 * (e.lo[0] + e.hi[0]) * axes[0] + 0.5 * (e.lo[1] + e.hi[1]) * axes[1] +
-                   0.5 * (e.lo[2] + e.hi[2]) * axes[2];
+    const Vec3 c =
+        0.5 * (e.lo[0] + e.hi[0]) * axes[0] + 0.5 * (e.lo[1] + e.hi[1]) * axes[1] + 0.5 * (e.lo[2] + e.hi[2]) * axes[2];
     // Rounding moves the center by u |c| and turns the axes by u: both widen the box.
-    const double reach = std::fabs(c.x) + std::fabs(c.y) + std::fabs(c.z) + (e.hi[0] - e.lo[0]) +
-                         (e.hi[1] - e.lo[1]) + (e.hi[2] - e.lo[2]);
+    const double reach = std::fabs(c.x) + std::fabs(c.y) + std::fabs(c.z) + (e.hi[0] - e.lo[0]) + (e.hi[1] - e.lo[1]) +
+                         (e.hi[2] - e.lo[2]);
     for (int i = 0; i < 3; ++i) {
         box.center[i] = static_cast<float>(coordinate(c, i));
         box.half[i] = static_cast<float>(0.5 * (e.hi[i] - e.lo[i]) + 4 * 0x1p-24 * reach);

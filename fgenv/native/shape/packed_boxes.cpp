@@ -12,16 +12,15 @@ namespace {
 void order(const std::vector<Box>& boxes, std::vector<int32_t>& items, size_t first, size_t count) {
     if (count <= 8) return;
     Box centers = empty_box();
-    for (size_t i = first; i < first + count; ++i)
-        grow(centers, 0.5 * (boxes[items[i]].lo + boxes[items[i]].hi));
+    for (size_t i = first; i < first + count; ++i) grow(centers, 0.5 * (boxes[items[i]].lo + boxes[items[i]].hi));
     const Vec3 width = centers.hi - centers.lo;
     const int axis = width.x >= width.y && width.x >= width.z ? 0 : width.y >= width.z ? 1 : 2;
     size_t unit = 8;
     while (8 * unit < count) unit *= 8;
     const size_t left = std::max<size_t>(1, (count + unit - 1) / unit / 2) * unit;
     const auto begin = items.begin() + static_cast<std::ptrdiff_t>(first);
-    std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(left),
-                     begin + static_cast<std::ptrdiff_t>(count), [&](int32_t a, int32_t b) {
+    std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(left), begin + static_cast<std::ptrdiff_t>(count),
+                     [&](int32_t a, int32_t b) {
                          const double ca = coordinate(boxes[a].lo, axis) + coordinate(boxes[a].hi, axis);
                          const double cb = coordinate(boxes[b].lo, axis) + coordinate(boxes[b].hi, axis);
                          return ca != cb ? ca < cb : a < b;

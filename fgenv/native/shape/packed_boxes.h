@@ -14,7 +14,7 @@ struct alignas(32) BoxBlock {
 };
 
 struct PackedBoxes {
-    std::vector<int32_t> items;  // of the lowest level's lanes
+    std::vector<int32_t> items;                 // of the lowest level's lanes
     std::vector<std::vector<BoxBlock>> levels;  // the lowest first
 };
 
@@ -45,8 +45,7 @@ struct BoxSearch {
 FGENV_INLINE uint32_t meeting(const BoxSearch& search, int level, int block) {
     const BoxBlock& b = search.boxes.levels[level][block];
     I8 meet = I8{} == 0;
-    for (int i = 0; i < 3; ++i)
-        meet &= (load(b.lo[i]) <= splat(search.hi[i])) & (load(b.hi[i]) >= splat(search.lo[i]));
+    for (int i = 0; i < 3; ++i) meet &= (load(b.lo[i]) <= splat(search.hi[i])) & (load(b.hi[i]) >= splat(search.lo[i]));
     return bits(meet);
 }
 

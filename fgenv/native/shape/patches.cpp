@@ -38,8 +38,7 @@ Slab slab_along(Vec3 normal) {
 Triangle2 project(const Mesh& mesh, int32_t face, const Slab& s) {
     Triangle2 t;
     for (int axis = 0; axis < 2; ++axis) {
-        for (int i = 0; i < 3; ++i)
-            t.p[i][axis] = dot(axis == 0 ? s.u : s.v, mesh.vertices[mesh.faces[face][i]]);
+        for (int i = 0; i < 3; ++i) t.p[i][axis] = dot(axis == 0 ? s.u : s.v, mesh.vertices[mesh.faces[face][i]]);
         t.lo[axis] = std::min({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
         t.hi[axis] = std::max({t.p[0][axis], t.p[1][axis], t.p[2][axis]});
     }
@@ -61,15 +60,13 @@ bool side_separates(const Triangle2& s, const Triangle2& t, double slack) {
 }
 
 bool interiors_overlap(const Triangle2& s, const Triangle2& t, double slack) {
-    if (s.hi[0] <= t.lo[0] || t.hi[0] <= s.lo[0] || s.hi[1] <= t.lo[1] || t.hi[1] <= s.lo[1])
-        return false;
+    if (s.hi[0] <= t.lo[0] || t.hi[0] <= s.lo[0] || s.hi[1] <= t.lo[1] || t.hi[1] <= s.lo[1]) return false;
     return !side_separates(s, t, slack) && !side_separates(t, s, slack);
 }
 
 double rounding_slack(const Mesh& mesh) { return 1e-12 * norm(mesh.bounds.hi - mesh.bounds.lo); }
 
-std::vector<std::array<int32_t, 3>> face_neighbors(const Mesh& mesh,
-                                                    const std::vector<uint8_t>* kept) {
+std::vector<std::array<int32_t, 3>> face_neighbors(const Mesh& mesh, const std::vector<uint8_t>* kept) {
     std::vector<std::array<int32_t, 3>> next(mesh.faces.size(), {-1, -1, -1});
     for (size_t i = 0; i < mesh.edges.size(); ++i) {
         const Edge& e = mesh.edges[i];
@@ -95,8 +92,7 @@ bool widen(Slab& s, const Mesh& mesh, int32_t face, double tolerance) {
 }
 
 bool projects_one_to_one(std::vector<Triangle2>& t, double slack) {
-    std::sort(t.begin(), t.end(),
-              [](const Triangle2& a, const Triangle2& b) { return a.lo[0] < b.lo[0]; });
+    std::sort(t.begin(), t.end(), [](const Triangle2& a, const Triangle2& b) { return a.lo[0] < b.lo[0]; });
     for (size_t i = 0; i < t.size(); ++i)
         for (size_t j = i + 1; j < t.size() && t[j].lo[0] < t[i].hi[0]; ++j)
             if (interiors_overlap(t[i], t[j], slack)) return false;
@@ -124,9 +120,8 @@ std::vector<int32_t> grow_patches(const Mesh& mesh, double tolerance) {
                 if (g < 0 || patch[g] >= 0) continue;
                 if (dot(unit(area_vector(mesh, g)), slab.normal) < min_cosine) continue;
                 const Triangle2 t = project(mesh, g, slab);
-                const bool overlaps = std::any_of(members.begin(), members.end(), [&](const auto& m) {
-                    return interiors_overlap(m, t, slack);
-                });
+                const bool overlaps = std::any_of(members.begin(), members.end(),
+                                                  [&](const auto& m) { return interiors_overlap(m, t, slack); });
                 if (overlaps || !widen(slab, mesh, g, tolerance)) continue;
                 patch[g] = patches;
                 front.push_back(g);
@@ -160,8 +155,7 @@ double patch_certificate(const Mesh& mesh, const std::vector<uint8_t>& kept) {
             widen(slab, mesh, f, std::numeric_limits<double>::infinity());
             projected.push_back(project(mesh, f, slab));
         }
-        if (!projects_one_to_one(projected, rounding_slack(mesh)))
-            return std::numeric_limits<double>::infinity();
+        if (!projects_one_to_one(projected, rounding_slack(mesh))) return std::numeric_limits<double>::infinity();
         thickest = std::max(thickest, slab.hi - slab.lo);
     }
     return thickest;

@@ -25,8 +25,8 @@ std::vector<int32_t> vertex_components(const Mesh& mesh, const FeatureGraph& gra
     for (int32_t v : graph.points) on_graph[v] = has_graph[surface.root(v)] = 1;
     count = kept.label(label);
     for (size_t v = 0; v < label.size(); ++v)  // a surface without a feature is asked at one vertex
-        if (!on_graph[v] &&
-            (has_graph[surface.root(static_cast<int32_t>(v))] || surface.root(static_cast<int32_t>(v)) != static_cast<int32_t>(v)))
+        if (!on_graph[v] && (has_graph[surface.root(static_cast<int32_t>(v))] ||
+                             surface.root(static_cast<int32_t>(v)) != static_cast<int32_t>(v)))
             label[v] = -1;
     return label;
 }
@@ -162,10 +162,10 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
 }
 
 size_t memory_bytes(const Shape& s) {
-    return sizeof(Shape) + bytes(s.mesh.vertices) + bytes(s.mesh.faces) + bytes(s.mesh.closed) +
-           bytes(s.graph.points) + bytes(s.graph.edges) + bytes(s.graph.kinds) +
-           bytes(s.tree.nodes) + bytes(s.tree.oriented) + bytes(s.tree.boxes) + bytes(s.tree.leaves) + bytes(s.parts) +
-           bytes(s.anchors) + bytes(s.solids) + bytes(s.corners) + bytes(s.pieces);
+    return sizeof(Shape) + bytes(s.mesh.vertices) + bytes(s.mesh.faces) + bytes(s.mesh.closed) + bytes(s.graph.points) +
+           bytes(s.graph.edges) + bytes(s.graph.kinds) + bytes(s.tree.nodes) + bytes(s.tree.oriented) +
+           bytes(s.tree.boxes) + bytes(s.tree.leaves) + bytes(s.parts) + bytes(s.anchors) + bytes(s.solids) +
+           bytes(s.corners) + bytes(s.pieces);
 }
 
 }  // namespace fgenv

@@ -24,15 +24,15 @@ struct Shape {
     FeatureGraph graph;
     Tree tree;
     std::vector<Part> parts;
-    PackedBoxes anchors;  // the first point of each part
-    PackedBoxes solids;   // around each closed shell: where a part can be inside
+    PackedBoxes anchors;           // the first point of each part
+    PackedBoxes solids;            // around each closed shell: where a part can be inside
     std::vector<int32_t> corners;  // vertices, shell by shell; empty where there are very many
     std::vector<Piece> pieces;     // one a shell, where a plane may part what none parts as a whole
     std::array<Vec3, 8> box;       // corners of an oriented box around it
-    double radius = 0;         // of the farthest vertex from the origin of the shape's frame, meters
-    double reach = 0;          // the largest coordinate, up to its sign
-    double smallest_part = 0;  // a part is at least this long
-    double largest_solid = 0;  // a closed shell is at most this long
+    double radius = 0;             // of the farthest vertex from the origin of the shape's frame, meters
+    double reach = 0;              // the largest coordinate, up to its sign
+    double smallest_part = 0;      // a part is at least this long
+    double largest_solid = 0;      // a closed shell is at most this long
 };
 
 Shape build_shape(Mesh mesh, const GraphSettings& settings);

@@ -13,8 +13,8 @@ namespace fgenv {
 namespace {
 
 constexpr int bins = 16;
-constexpr int32_t sweep_limit = 64;             // faces; below, every position is tried
-constexpr int halving_depth = max_depth - 40;   // from here on parts are at most half: 31 levels more
+constexpr int32_t sweep_limit = 64;            // faces; below, every position is tried
+constexpr int halving_depth = max_depth - 40;  // from here on parts are at most half: 31 levels more
 
 // What a set of faces costs to test, in leaves: a half-filled leaf costs as much as a full one.
 double leaf_count(int32_t faces) { return (faces + lanes - 1) / lanes; }
@@ -70,8 +70,7 @@ Split sweep(Item* items, int32_t count) {
         bounds = {};
         for (int32_t i = 1; i < count; ++i) {
             bounds.add(items[i - 1].lo, items[i - 1].hi);
-            const double cost =
-                bounds.half_area() * leaf_count(i) + right_area[i] * leaf_count(count - i);
+            const double cost = bounds.half_area() * leaf_count(i) + right_area[i] * leaf_count(count - i);
             if (cost < best.cost) best = {cost, axis, i};
         }
     }
@@ -115,14 +114,13 @@ Split split_at_bins(Item* items, int32_t count) {
             sum.add(bin[axis][b - 1].bounds.lo, bin[axis][b - 1].bounds.hi);
             left += bin[axis][b - 1].count;
             if (left == 0 || left == count) continue;
-            const double cost =
-                sum.half_area() * leaf_count(left) + right_area[b] * leaf_count(count - left);
+            const double cost = sum.half_area() * leaf_count(left) + right_area[b] * leaf_count(count - left);
             if (cost < best.cost) best = {cost, axis, b};
         }
     }
     if (best.axis < 0) return best;
-    Item* middle = std::stable_partition(
-        items, items + count, [&](const Item& item) { return bin_of(item, best.axis) < best.left; });
+    Item* middle = std::stable_partition(items, items + count,
+                                         [&](const Item& item) { return bin_of(item, best.axis) < best.left; });
     best.left = static_cast<int32_t>(middle - items);
     return best;
 }
@@ -183,8 +181,7 @@ private:
 
     static float half_of(const Box& box, int axis) {
         const float center = center_of(box, axis);
-        const double half =
-            std::max(coordinate(box.hi, axis) - center, center - coordinate(box.lo, axis));
+        const double half = std::max(coordinate(box.hi, axis) - center, center - coordinate(box.lo, axis));
         return std::nextafterf(static_cast<float>(half), std::numeric_limits<float>::infinity());
     }
 
@@ -229,9 +226,7 @@ private:
         Item* items = items_.data() + range.first;
         int32_t left = 0;
         if (depth < halving_depth)
-            left = (range.count <= sweep_limit ? sweep(items, range.count)
-                                               : split_at_bins(items, range.count))
-                       .left;
+            left = (range.count <= sweep_limit ? sweep(items, range.count) : split_at_bins(items, range.count)).left;
         if (left <= 0 || left >= range.count) left = range.count / 2;
         return {fit(range.first, left), fit(range.first + left, range.count - left)};
     }
@@ -320,8 +315,8 @@ private:
             for (int k = 0; k < 3; ++k) {
                 leaf.vertex[k][lane] = mesh_.faces[f][k];
                 for (int axis = 0; axis < 3; ++axis)
-                    leaf.v[k][axis][lane] = static_cast<float>(
-                        coordinate(mesh_.vertices[mesh_.faces[f][k]], axis) - leaf.center[axis]);
+                    leaf.v[k][axis][lane] =
+                        static_cast<float>(coordinate(mesh_.vertices[mesh_.faces[f][k]], axis) - leaf.center[axis]);
             }
         }
         tree_.leaves.push_back(leaf);

@@ -37,20 +37,20 @@ struct alignas(32) Oriented {
 };
 
 struct alignas(32) Leaf {
-    float v[3][3][lanes];  // vertex, axis, lane; relative to the center of the leaf's box
+    float v[3][3][lanes];      // vertex, axis, lane; relative to the center of the leaf's box
     float center[3], half[3];  // upright box
     int32_t face[lanes];
     int32_t vertex[3][lanes];  // of the mesh
-    uint32_t valid;         // bit a lane
-    uint8_t edges[lanes];   // bit k: edge (k, k + 1) of the face is in the graph and tested here;
-                            // bit 3 + k: it is in the exact graph
-    uint8_t bounds[lanes];  // 1: the face belongs to a closed shell
+    uint32_t valid;            // bit a lane
+    uint8_t edges[lanes];      // bit k: edge (k, k + 1) of the face is in the graph and tested here;
+                               // bit 3 + k: it is in the exact graph
+    uint8_t bounds[lanes];     // 1: the face belongs to a closed shell
 };
 
 struct Tree {
-    std::vector<Node> nodes;  // nodes[0] holds the root in lane 0
-    std::vector<Oriented> oriented;   // as nodes
-    std::vector<OrientedBox> boxes;   // the same, by Ref
+    std::vector<Node> nodes;         // nodes[0] holds the root in lane 0
+    std::vector<Oriented> oriented;  // as nodes
+    std::vector<OrientedBox> boxes;  // the same, by Ref
     std::vector<Leaf> leaves;
 };
 

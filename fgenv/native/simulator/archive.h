@@ -12,7 +12,9 @@ namespace fgenv {
 class Writer {
 public:
     template <class... T>
-    void operator()(const T&... items) { (put(items), ...); }
+    void operator()(const T&... items) {
+        (put(items), ...);
+    }
     const std::string& bytes() const { return bytes_; }
 
 private:
@@ -34,7 +36,9 @@ class Reader {
 public:
     explicit Reader(std::string bytes) : bytes_(std::move(bytes)) {}
     template <class... T>
-    void operator()(T&... items) { (get(items), ...); }
+    void operator()(T&... items) {
+        (get(items), ...);
+    }
     bool done() const { return at_ == bytes_.size(); }
 
 private:

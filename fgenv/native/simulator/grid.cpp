@@ -11,7 +11,8 @@ namespace {
 constexpr double diagonal = 1.4142135623730951;
 
 double octile(int64_t rows, int64_t columns) {
-    const double longer = static_cast<double>(std::max(rows, columns)), shorter = static_cast<double>(std::min(rows, columns));
+    const double longer = static_cast<double>(std::max(rows, columns)),
+                 shorter = static_cast<double>(std::min(rows, columns));
     return longer - shorter + diagonal * shorter;
 }
 
@@ -49,10 +50,12 @@ std::vector<int64_t> cheapest_way(const Grid& grid, int64_t from, int64_t to) {
         queue.pop();
         if (done[cell]) continue;
         done[cell] = true;
-        const int64_t heading = cell / layer, first = heading * layer, at = cell - first, row = at / width, column = at % width;
+        const int64_t heading = cell / layer, first = heading * layer, at = cell - first, row = at / width,
+                      column = at % width;
         const auto step = [&](int64_t k) {
             const auto [down, right] = ahead[k];
-            if (open(first, row + down, column + right) && open(first, row + down, column) && open(first, row, column + right))
+            if (open(first, row + down, column + right) && open(first, row + down, column) &&
+                open(first, row, column + right))
                 reach(cell, cell + down * width + right, down && right ? diagonal : 1);
         };
         if (grid.layers == 1) {

@@ -7,9 +7,7 @@ namespace fgenv {
 namespace {
 
 // Numbers of a neighbor.
-int32_t width_of(const Senses& s, bool flat) {
-    return (flat ? 7 : 11) + (s.intent ? (flat ? 2 : 3) : 0);
-}
+int32_t width_of(const Senses& s, bool flat) { return (flat ? 7 : 11) + (s.intent ? (flat ? 2 : 3) : 0); }
 
 void write(float*& out, double x) { *out++ = static_cast<float>(x); }
 
@@ -127,11 +125,13 @@ void Simulator::sense_goal(const Agent& agent, const Runner& runner, float*& out
             write(out, c);
             write(out, s);
         } else {
-            const Quaternion turn = relative(Quaternion{q[3], q[4], q[5], q[6]}, Quaternion{goal[3], goal[4], goal[5], goal[6]});
+            const Quaternion turn =
+                relative(Quaternion{q[3], q[4], q[5], q[6]}, Quaternion{goal[3], goal[4], goal[5], goal[6]});
             for (double x : {turn.x, turn.y, turn.z, turn.w}) write(out, x);
         }
     }
-    for (int32_t k = agent.base(); k < agent.robot->nq(); ++k) write(out, change(agent.robot->coordinates[k], q[k], goal[k]));
+    for (int32_t k = agent.base(); k < agent.robot->nq(); ++k)
+        write(out, change(agent.robot->coordinates[k], q[k], goal[k]));
 }
 
 void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out) const {
@@ -140,7 +140,8 @@ void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out
         const Offset o = offset_to(*agent.robot, runner.q.data(), point.data());
         for (int32_t k = 0; k < agent.axes(); ++k) write(out, o.by[k]);
     } else {
-        for (int32_t k = 0; k < agent.axes(); ++k) write(out, change(agent.robot->coordinates[k], runner.q[k], point[k]));
+        for (int32_t k = 0; k < agent.axes(); ++k)
+            write(out, change(agent.robot->coordinates[k], runner.q[k], point[k]));
     }
 }
 
@@ -158,7 +159,8 @@ void Simulator::sense_neighbors(const Episode& episode, int32_t i, const Bodies&
         }
         const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbors);
         std::partial_sort(near.begin(), near.begin() + k, near.end());
-        for (size_t m = 0; m < k; ++m) sense_neighbor(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
+        for (size_t m = 0; m < k; ++m)
+            sense_neighbor(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
         const size_t rest = (settings_.senses.neighbors - k) * width_of(settings_.senses, flat_);
         std::fill(out, out + rest, 0.0f);
         out += rest;
@@ -168,8 +170,8 @@ void Simulator::sense_neighbors(const Episode& episode, int32_t i, const Bodies&
     tell(i, n);
 }
 
-void Simulator::sense_neighbor(
-    const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const {
+void Simulator::sense_neighbor(const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies,
+                               float*& out) const {
     const Rigid& own = bodies.bases[i];
     const double range = settings_.senses.neighbor_range, radius = agents_[j].radius;
     Rigid there = relative(own, bodies.bases[j]);
@@ -204,7 +206,8 @@ void Simulator::sense_lidar(const Episode& episode, int32_t i, const Rigid& base
     if (episode.runners[i].status != Status::gone) {
         std::vector<Vec3> directions;
         for (const Vec3& d : agent.lidar.directions) directions.push_back(rotate(base, d));
-        episode.world.scan(apply(base, agent.lidar.position), directions, agent.lidar.range, agent.parts, distances.data());
+        episode.world.scan(apply(base, agent.lidar.position), directions, agent.lidar.range, agent.parts,
+                           distances.data());
     }
     for (double d : distances) write(out, d);
 }

@@ -6,8 +6,8 @@
 namespace fgenv {
 namespace {
 
-constexpr int tries = 1000;     // for the place of one robot
-constexpr double room = 0.02;   // meters that a robot of one shape, put at random, is apart from all else
+constexpr int tries = 1000;    // for the place of one robot
+constexpr double room = 0.02;  // meters that a robot of one shape, put at random, is apart from all else
 constexpr double pi = 3.14159265358979323846;
 
 // Angles in [-pi, pi], quaternions of length 1: what a robot that rests is left at.
@@ -20,7 +20,8 @@ std::vector<double> canonical(const Robot& robot, const std::vector<double>& q) 
 // Uniform within the limits; a free base is level.
 std::vector<double> anywhere(const Agent& agent, Dice& dice) {
     std::vector<double> q;
-    for (int32_t k = 0; k < agent.robot->nq(); ++k) q.push_back(dice.between(agent.drive.lower[k], agent.drive.upper[k]));
+    for (int32_t k = 0; k < agent.robot->nq(); ++k)
+        q.push_back(dice.between(agent.drive.lower[k], agent.drive.upper[k]));
     if (agent.base() == 7) {
         double s, c;
         sin_cos(dice.between(-0.5 * pi, 0.5 * pi), s, c);

@@ -2,9 +2,9 @@
 // the loop. Meters, seconds, radians.
 #pragma once
 
-#include "simulator/archive.h"
 #include "math/rng.h"
 #include "robot/drive.h"
+#include "simulator/archive.h"
 #include "world/world.h"
 
 namespace fgenv {
@@ -40,9 +40,9 @@ struct Senses {
     bool goal = true, velocity = true, configuration = false, path_hint = false, lidar = true;
     int32_t neighbors = 0;
     double neighbor_range = 0;  // meters over which neighbors fade; 0: they do not
-    bool intent = false;         // of neighbors is told: where they are headed
-    bool priority = false;       // neighbors that go before the robot, then those that go after it
-    double look_ahead = 1;       // meters, or radians of joints, along the path
+    bool intent = false;        // of neighbors is told: where they are headed
+    bool priority = false;      // neighbors that go before the robot, then those that go after it
+    double look_ahead = 1;      // meters, or radians of joints, along the path
 };
 
 // What a reward is the sum of, times these.
@@ -77,9 +77,9 @@ using Way = std::vector<std::vector<double>>;  // configurations
 // A robot in its episode.
 struct Runner {
     std::vector<double> q, goal;
-    std::vector<double> action;             // in force in the last step, units of the drive
-    Way path;             // from the start to the goal, or what was set since
-    bool has_mask = false;  // of the path
+    std::vector<double> action;  // in force in the last step, units of the drive
+    Way path;                    // from the start to the goal, or what was set since
+    bool has_mask = false;       // of the path
     Status status = Status::moving;
     double remaining = 0;  // to the goal: meters, or radians of joints
     // Of the last step
@@ -96,8 +96,8 @@ struct Runner {
 
     template <class A>
     void visit(A& archive) {
-        archive(q, goal, action, path, has_mask, status, remaining, hit, hit_part, hit_time, hit_point, checks, masked, clearance, reward,
-                collisions, arrived, traveled, least_clearance);
+        archive(q, goal, action, path, has_mask, status, remaining, hit, hit_part, hit_time, hit_point, checks, masked,
+                clearance, reward, collisions, arrived, traveled, least_clearance);
     }
 };
 
@@ -147,8 +147,8 @@ public:
     void reset(int32_t e, const uint64_t* seed);  // null: the next episode
     void place(int32_t e, int32_t i, const std::vector<double>& start, const std::vector<double>& goal);
     void set_path(int32_t e, int32_t i, Way path);
-    void step(int32_t e, const double* actions);           // (agents, action_size())
-    void observe(int32_t e, float* rows) const;            // (agents, observation_size())
+    void step(int32_t e, const double* actions);  // (agents, action_size())
+    void observe(int32_t e, float* rows) const;   // (agents, observation_size())
     void toward(int32_t e, int32_t i, const double* target, double* action) const;
     Vec3 hit_point(int32_t e, int32_t i) const;  // of the last step, world
     void save(int32_t e, Writer& out);
@@ -172,8 +172,8 @@ private:
     void sense_goal(const Agent& agent, const Runner& runner, float*& out) const;
     void sense_path(const Agent& agent, const Runner& runner, float*& out) const;
     void sense_neighbors(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const;
-    void sense_neighbor(
-        const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies, float*& out) const;
+    void sense_neighbor(const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies,
+                        float*& out) const;
     void sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const;
 
     std::vector<Agent> agents_;

@@ -37,10 +37,12 @@ double Simulator::remaining(const Agent& agent, const Runner& runner) const {
 }
 
 bool Simulator::arrived(const Agent& agent, const Runner& runner) const {
-    if (agent.moves() && (runner.remaining > agent.position_tolerance || turn_to_goal(agent, runner) > agent.angle_tolerance))
+    if (agent.moves() &&
+        (runner.remaining > agent.position_tolerance || turn_to_goal(agent, runner) > agent.angle_tolerance))
         return false;
     for (const Joint& joint : agent.robot->joints) {
-        if (joint.kind != JointKind::prismatic && joint.kind != JointKind::revolute && joint.kind != JointKind::continuous)
+        if (joint.kind != JointKind::prismatic && joint.kind != JointKind::revolute &&
+            joint.kind != JointKind::continuous)
             continue;
         const int32_t k = joint.first;
         const double by = std::fabs(change(agent.robot->coordinates[k], runner.q[k], runner.goal[k]));
@@ -170,8 +172,10 @@ void Simulator::settle(Episode& episode, int32_t i, const double* asked) {
     runner.status = settings_.vanish ? Status::gone : Status::parked;
     std::fill(runner.action.begin(), runner.action.end(), 0.0);
     runner.has_mask = false;
-    if (settings_.vanish) episode.world.set_present(agent.id, false);
-    else episode.world.clear_path(agent.id);
+    if (settings_.vanish)
+        episode.world.set_present(agent.id, false);
+    else
+        episode.world.clear_path(agent.id);
 }
 
 }  // namespace fgenv

@@ -160,8 +160,10 @@ void BoxIndex::build() {
     spare_.clear();
     if (!packed_.levels.empty()) packed_.items.resize(8 * packed_.levels[0].size(), -1);
     for (size_t slot = 0; slot < packed_.items.size(); ++slot) {
-        if (packed_.items[slot] >= 0) slot_[packed_.items[slot]] = static_cast<int32_t>(slot);
-        else spare_.push_back(static_cast<int32_t>(slot));
+        if (packed_.items[slot] >= 0)
+            slot_[packed_.items[slot]] = static_cast<int32_t>(slot);
+        else
+            spare_.push_back(static_cast<int32_t>(slot));
     }
     appended_ = 0;
     fresh_size_ = packed_.levels.empty() ? 0 : size_of_blocks(packed_.levels[0]);

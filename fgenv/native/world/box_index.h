@@ -42,7 +42,7 @@ private:
     void wear(size_t changes);
 
     PackedBoxes packed_;
-    std::vector<int32_t> slot_;  // by item, -1: none
+    std::vector<int32_t> slot_;   // by item, -1: none
     std::vector<int32_t> spare_;  // slots without an item
     std::vector<Box> boxes_;      // by item
     size_t count_ = 0, appended_ = 0, changes_ = 0;

@@ -50,7 +50,8 @@ FGENV_INLINE F8 ray_entries(const BoxBlock& b, const float o[3], const float inv
     F8 near = F8{}, far = splat(reach);
     for (int i = 0; i < 3; ++i) {
         const F8 a = (load(b.lo[i]) - splat(o[i])) * splat(inv[i]), c = (load(b.hi[i]) - splat(o[i])) * splat(inv[i]);
-        const F8 slack = (abs(load(b.lo[i])) + abs(load(b.hi[i])) + abs(splat(o[i]))) * splat(std::fabs(inv[i]) * 0x1p-21f);
+        const F8 slack =
+            (abs(load(b.lo[i])) + abs(load(b.hi[i])) + abs(splat(o[i]))) * splat(std::fabs(inv[i]) * 0x1p-21f);
         near = max(near, min(a, c) - slack);
         far = min(far, max(a, c) + slack);
     }

@@ -25,7 +25,8 @@ void Checker::ask() const {
 }
 
 bool Checker::place(const double* state, std::vector<Place>& out) const {
-    if (!std::all_of(state, state + size_, [](double x) { return std::isfinite(x) && std::fabs(x) < 1e12; })) return false;
+    if (!std::all_of(state, state + size_, [](double x) { return std::isfinite(x) && std::fabs(x) < 1e12; }))
+        return false;
     out.resize(members_.size());
     for (size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];

@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "world/box_index.h"
 #include "motion/certify.h"
-#include "world/fair_mutex.h"
 #include "robot/mover.h"
+#include "world/box_index.h"
+#include "world/fair_mutex.h"
 
 namespace fgenv {
 
@@ -40,23 +40,21 @@ struct Body {
     std::vector<int32_t> groups;
     std::vector<BodyId> allowed;  // sorted: contact with them is no collision
     BodyId carrier = -1, root;
-    int32_t link = 0;              // of the root, if that is a robot
-    Rigid offset = identity();     // in the frame of the root or its link
-    bool built_in = false;         // a shape of a robot
-    bool present = true;           // else nobody meets it
-    std::vector<BodyId> parts;     // of a root: itself, then all that it carries
-    std::vector<BodyId> movers;    // sorted: whose motion box it meets
-    std::unique_ptr<Trajectory> trajectory;  // of a root
-    std::shared_ptr<const Robot> robot;      // of a root that is one, and
-    std::vector<double> q;                   // its configuration, and
+    int32_t link = 0;                                    // of the root, if that is a robot
+    Rigid offset = identity();                           // in the frame of the root or its link
+    bool built_in = false;                               // a shape of a robot
+    bool present = true;                                 // else nobody meets it
+    std::vector<BodyId> parts;                           // of a root: itself, then all that it carries
+    std::vector<BodyId> movers;                          // sorted: whose motion box it meets
+    std::unique_ptr<Trajectory> trajectory;              // of a root
+    std::shared_ptr<const Robot> robot;                  // of a root that is one, and
+    std::vector<double> q;                               // its configuration, and
     std::vector<std::pair<int32_t, int32_t>> own_pairs;  // places in `parts` of those that must not meet
 
     bool stands_for_itself() const { return root == id && !robot; }
     const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
     Place place() const { return {pose, q}; }
-    Rigid in(const Frames& frames) const {
-        return stands_for_itself() ? frames.body : compose(frames[link], offset);
-    }
+    Rigid in(const Frames& frames) const { return stands_for_itself() ? frames.body : compose(frames[link], offset); }
 };
 
 // A shape of a robot.
@@ -70,9 +68,9 @@ struct RobotPart {
 struct Path {
     int bit = 0;
     std::vector<Place> places;
-    std::vector<Box> legs;               // motion boxes
-    std::vector<int32_t> items;          // of the legs in the index
-    std::vector<BodyId> candidates;      // sorted
+    std::vector<Box> legs;           // motion boxes
+    std::vector<int32_t> items;      // of the legs in the index
+    std::vector<BodyId> candidates;  // sorted
 };
 
 enum class Masks : uint8_t { path, published, off };
@@ -171,7 +169,8 @@ public:
                                        const MotionSettings& settings, bool through = false);
     // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
     // nobody. Of a motion the beginning is taken to be free. The margin is not one of a mover from itself.
-    bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects) const;
+    bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
+                 Suspects& suspects) const;
     bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                  const MotionSettings& settings, Suspects& suspects) const;
     // Whether two movers that go at once are not proved apart, whatever else there is.
@@ -242,7 +241,8 @@ private:
     Sweeping sweeping(const Body& robot, const Place& from, const Place& to, double margin) const;
     bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                     MotionOutcome& out) const;
-    MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s) const;
+    MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others,
+                               const MotionSettings& s) const;
     void certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const;
     void certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
                      MotionOutcome& out) const;
@@ -255,8 +255,8 @@ private:
     std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
     void count_tests(const std::vector<MotionOutcome>& outcomes) const;
     std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving) const;
-    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, Suspects& suspects,
-                    int64_t& asked) const;
+    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
+                    Suspects& suspects, int64_t& asked) const;
     bool look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
                  double margin, Suspects& suspects, int64_t& asked) const;
     bool certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,

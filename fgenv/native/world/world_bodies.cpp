@@ -7,24 +7,45 @@
 
 namespace fgenv {
 World::World(const World& other)
-    : masks_(other.masks_), names_(other.names_), groups_(other.groups_), allowed_groups_(other.allowed_groups_),
-      index_(other.index_), legs_(other.legs_), leg_of_(other.leg_of_), paths_(other.paths_), tests_(other.tests_.load()) {
+    : masks_(other.masks_),
+      names_(other.names_),
+      groups_(other.groups_),
+      allowed_groups_(other.allowed_groups_),
+      index_(other.index_),
+      legs_(other.legs_),
+      leg_of_(other.leg_of_),
+      paths_(other.paths_),
+      tests_(other.tests_.load()) {
     for (const auto& body : other.bodies_) {
         bodies_.push_back(nullptr);
         if (!body) continue;
         const Body& b = *body;
-        bodies_.back().reset(new Body{b.id, b.shape, b.name, b.pose, b.box, b.extent, b.groups, b.allowed, b.carrier, b.root,
-                                      b.link, b.offset, b.built_in, b.present, b.parts, b.movers,
-                                      b.trajectory ? std::make_unique<Trajectory>(*b.trajectory) : nullptr, b.robot, b.q,
+        bodies_.back().reset(new Body{b.id,
+                                      b.shape,
+                                      b.name,
+                                      b.pose,
+                                      b.box,
+                                      b.extent,
+                                      b.groups,
+                                      b.allowed,
+                                      b.carrier,
+                                      b.root,
+                                      b.link,
+                                      b.offset,
+                                      b.built_in,
+                                      b.present,
+                                      b.parts,
+                                      b.movers,
+                                      b.trajectory ? std::make_unique<Trajectory>(*b.trajectory) : nullptr,
+                                      b.robot,
+                                      b.q,
                                       b.own_pairs});
     }
 }
 
 World::~World() = default;
 
-const Body* World::find(BodyId id) const {
-    return id >= 0 && id < end_id() ? bodies_[id].get() : nullptr;
-}
+const Body* World::find(BodyId id) const { return id >= 0 && id < end_id() ? bodies_[id].get() : nullptr; }
 
 const Body& World::body(BodyId id) const {
     if (const Body* found = find(id)) return *found;
@@ -81,9 +102,9 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
     return id;
 }
 
-BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q,
-                        const std::vector<RobotPart>& parts, const std::vector<std::pair<int32_t, int32_t>>& allowed,
-                        const std::string& name, const std::vector<std::string>& groups) {
+BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q, const std::vector<RobotPart>& parts,
+                        const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
+                        const std::vector<std::string>& groups) {
     if (parts.empty()) throw std::invalid_argument("robot: it has no shapes, expected one at least");
     const Place place{identity(), std::move(q)};
     const Frames frames = frames_at(robot.get(), place);
@@ -120,14 +141,16 @@ BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> 
 std::vector<std::shared_ptr<Shape>> World::remove(BodyId id) {
     Body& b = at(id);
     if (b.built_in && b.carrier >= 0)
-        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name + "'; remove that");
+        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name +
+                                    "'; remove that");
     const auto goes = [&](const Body& x) { return x.id == id || (b.robot && x.built_in && x.root == id); };
     const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and carry in its turn
     std::vector<BodyId> going;
     for (BodyId part : family)
         if (goes(body(part))) going.push_back(part);
     for (BodyId part : family)
-        if (const BodyId carrier = body(part).carrier; carrier >= 0 && !goes(body(part)) && goes(body(carrier))) detach(part);
+        if (const BodyId carrier = body(part).carrier; carrier >= 0 && !goes(body(part)) && goes(body(carrier)))
+            detach(part);
     if (b.carrier >= 0) detach(id);
     clear_path(id);
     std::vector<std::shared_ptr<Shape>> shapes;
@@ -264,8 +287,7 @@ void World::attach(BodyId id, BodyId carrier) {
     const Body& c = body(carrier);
     if (b.robot)
         throw std::invalid_argument("body: '" + b.name + "' is a robot, which nothing carries; make both one robot");
-    if (c.root == id)
-        throw std::invalid_argument("carrier: '" + c.name + "' is '" + b.name + "' or carried by it");
+    if (c.root == id) throw std::invalid_argument("carrier: '" + c.name + "' is '" + b.name + "' or carried by it");
     clear_path(id);
     b.trajectory.reset();
     b.carrier = carrier;
@@ -318,8 +340,10 @@ void World::allow(BodyId a, BodyId b, bool allowed) {
 void World::allow_groups(const std::string& a, const std::string& b, bool allowed) {
     const int32_t i = group(a), j = group(b);
     const std::pair<int32_t, int32_t> pair{std::min(i, j), std::max(i, j)};
-    if (allowed) insert(allowed_groups_, pair);
-    else erase(allowed_groups_, pair);
+    if (allowed)
+        insert(allowed_groups_, pair);
+    else
+        erase(allowed_groups_, pair);
     for (const auto& body : bodies_)
         if (body) find_own_pairs(*body);
     update_all_masks();
@@ -349,7 +373,8 @@ size_t World::nbytes() const {
     for (const auto& b : bodies_)
         if (b)
             n += sizeof(Body) + 2 * b->name.capacity() + 48 +
-                 sizeof(int32_t) * (b->groups.capacity() + b->allowed.capacity() + b->parts.capacity() + b->movers.capacity());
+                 sizeof(int32_t) *
+                     (b->groups.capacity() + b->allowed.capacity() + b->parts.capacity() + b->movers.capacity());
     return n;
 }
 

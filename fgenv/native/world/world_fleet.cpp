@@ -52,7 +52,8 @@ Box World::rough_box(const Body& robot, const Place& from, const Place& to, doub
         const Joint& base = tree->joints[0];
         const double* q = place->q.data();
         grow(box, base.kind == JointKind::planar ? apply(base.origin, {q[0], q[1], 0})
-                  : base.kind == JointKind::free ? apply(base.origin, {q[0], q[1], q[2]}) : origin(base.origin));
+                  : base.kind == JointKind::free ? apply(base.origin, {q[0], q[1], q[2]})
+                                                 : origin(base.origin));
     }
     const double size = greater(norm(box.lo), norm(box.hi)) + radius;
     return widened(box, radius * (1 + 1e-4) + margin + 1e-12 * size);  // poses may be askew by 1e-5
@@ -74,9 +75,10 @@ World::Fleet World::fleet(const std::vector<BodyId>& robots, const std::vector<P
         const Body& robot = body(robots[i]);
         std::sort(out.near[i].begin(), out.near[i].end());
         candidates(robot, boxes[i], others);
-        others.erase(std::remove_if(others.begin(), others.end(),
-                                    [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
-                     others.end());
+        others.erase(
+            std::remove_if(others.begin(), others.end(),
+                           [&](BodyId o) { return std::binary_search(sorted.begin(), sorted.end(), body(o).root); }),
+            others.end());
         out.alone[i].masked = static_cast<int32_t>(others.size() + out.near[i].size());
         if (others.empty() && out.near[i].empty() && robot.own_pairs.empty()) {
             out.moving.emplace_back();
@@ -112,7 +114,8 @@ World::Meeting World::meeting(const Sweeping& a, bool a_rests, const Sweeping& b
             ++out.checks;
             const PartMotion u = piece(p, a_rests), v = piece(q, b_rests);
             const Contact before = first;
-            if (begin == 0 && hits(*p.body->shape, *q.body->shape, relative(u->pose(0), v->pose(0)), s.certify.margin, true))
+            if (begin == 0 &&
+                hits(*p.body->shape, *q.body->shape, relative(u->pose(0), v->pose(0)), s.certify.margin, true))
                 first = {0, 0, true};
             else
                 find_contact({p.body->shape.get(), &*u}, {q.body->shape.get(), &*v}, 0, 1, s.certify, first, sweeps);
@@ -192,12 +195,14 @@ std::vector<MotionOutcome> World::stops(const Fleet& all, const MotionSettings& 
     // A little before the contact, so that what comes later does not begin within rounding of it.
     const auto add = [&](Meeting m, int32_t i, int32_t j, double begin) {
         const double speed = greater(all.moving[i].speed, j < 0 ? 0 : all.moving[j].speed);
-        m.contact.free_until = greater(m.contact.free_until - 0.25 * s.certify.tolerance / greater(speed, 1e-300), begin);
+        m.contact.free_until =
+            greater(m.contact.free_until - 0.25 * s.certify.tolerance / greater(speed, 1e-300), begin);
         events.push({m, i, j, bool(rests[i]), j >= 0 && rests[j]});
     };
     const auto plan = [&](int32_t i, int32_t j, double begin) {
         const auto stops = [&](int32_t k) { return rests[k] ? begin : all.alone[k].contact.free_until; };
-        const Meeting m = meeting(all.moving[i], rests[i], all.moving[j], rests[j], begin, greater(stops(i), stops(j)), s);
+        const Meeting m =
+            meeting(all.moving[i], rests[i], all.moving[j], rests[j], begin, greater(stops(i), stops(j)), s);
         out[i].checks += m.checks;
         out[j].checks += m.checks;
         if (m.contact.found) add(m, i, j, begin);

@@ -73,7 +73,8 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> plac
     if (masks_ == Masks::published) {
         std::vector<BodyId> found;
         for (BodyId id = 0; id < end_id(); ++id)
-            if (const Body* other = find(id); other && other->present && !ignores(b, *other) && inside(p.legs[0], origin(other->pose)))
+            if (const Body* other = find(id);
+                other && other->present && !ignores(b, *other) && inside(p.legs[0], origin(other->pose)))
                 found.push_back(id);
         set_candidates(robot, std::move(found));
         return p.candidates;
@@ -89,8 +90,7 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> plac
         found.insert(found.end(), parts.begin(), parts.end());
     }
     sort_unique(found);
-    found.erase(std::remove_if(found.begin(), found.end(),
-                               [&](BodyId id) { return !meets(p, robot, body(id)); }),
+    found.erase(std::remove_if(found.begin(), found.end(), [&](BodyId id) { return !meets(p, robot, body(id)); }),
                 found.end());
     for (const Box& leg : p.legs) {
         int32_t item = static_cast<int32_t>(std::find(leg_of_.begin(), leg_of_.end(), -1) - leg_of_.begin());
@@ -147,8 +147,7 @@ void World::find_movers(BodyId id, std::vector<BodyId>& out) const {
         for (const Box& leg : own->legs) legs_.overlapping(leg, items);
     for (int32_t item : items) out.push_back(leg_of_[item]);
     sort_unique(out);
-    out.erase(std::remove_if(out.begin(), out.end(),
-                             [&](BodyId robot) { return !meets(paths_.at(robot), robot, b); }),
+    out.erase(std::remove_if(out.begin(), out.end(), [&](BodyId robot) { return !meets(paths_.at(robot), robot, b); }),
               out.end());
 }
 

@@ -39,7 +39,8 @@ bool World::touches_at(const Sweeping& moving, double t, const std::vector<BodyI
         const Part &a = moving.parts[i], &b = moving.parts[j];
         if (!overlap(a.swept, b.swept)) continue;
         ++out.checks;
-        if (!hits(*a.body->shape, *b.body->shape, relative(a.motion->pose(t), b.motion->pose(t)), margin, true)) continue;
+        if (!hits(*a.body->shape, *b.body->shape, relative(a.motion->pose(t), b.motion->pose(t)), margin, true))
+            continue;
         out.part = a.body->id;
         out.other = b.body->id;
         return true;
@@ -148,8 +149,10 @@ void World::certify_itself(const Sweeping& moving, const MotionSettings& s, Moti
         ++out.checks;
         const Contact before = out.contact;
         int64_t sweeps = 0;
-        const auto [mine, theirs] = moving.motion.beside(a.body->link, a.body->held_at(), b.body->link, b.body->held_at());
-        find_contact({a.body->shape.get(), &*mine}, {b.body->shape.get(), &*theirs}, 0, 1, s.certify, out.contact, sweeps);
+        const auto [mine, theirs] =
+            moving.motion.beside(a.body->link, a.body->held_at(), b.body->link, b.body->held_at());
+        find_contact({a.body->shape.get(), &*mine}, {b.body->shape.get(), &*theirs}, 0, 1, s.certify, out.contact,
+                     sweeps);
         if (!out.contact.replaces(before)) continue;
         out.part = a.body->id;
         out.other = b.body->id;
@@ -162,7 +165,8 @@ MotionOutcome World::check_motion(BodyId id, const Place& from, const Place& to,
     const MotionSettings s = given.with_speed(moving.speed);
     std::vector<BodyId> others;
     candidates(robot, moving.around, others);
-    others.erase(std::remove_if(others.begin(), others.end(), [&](BodyId o) { return body(o).root == id; }), others.end());
+    others.erase(std::remove_if(others.begin(), others.end(), [&](BodyId o) { return body(o).root == id; }),
+                 others.end());
     MotionOutcome out;
     if (s.resolution > 0) {
         out = step_through(moving, others, s);

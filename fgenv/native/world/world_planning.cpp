@@ -75,8 +75,8 @@ std::vector<World::Pair> World::pairs(const std::vector<BodyId>& robots, const s
     return out;
 }
 
-bool World::look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
-                    double margin, Suspects& suspects, int64_t& asked) const {
+bool World::look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places,
+                    const std::vector<Pair>& pairs, double margin, Suspects& suspects, int64_t& asked) const {
     std::vector<Frames> frames;
     for (size_t m = 0; m < moving.size(); ++m) frames.push_back(frames_at(moving[m].robot->robot.get(), places[m]));
     for (const Pair& p : pairs) {
@@ -95,7 +95,8 @@ bool World::certified(const std::vector<Sweeping>& moving, const std::vector<Pai
         PartMotion mine = moving[p.mover].parts[p.part].motion, theirs(RigidMotion(p.b->pose, p.b->pose));
         CertifySettings settings = s.certify;
         if (p.itself()) {
-            std::tie(mine, theirs) = moving[p.mover].motion.beside(p.a->link, p.a->held_at(), p.b->link, p.b->held_at());
+            std::tie(mine, theirs) =
+                moving[p.mover].motion.beside(p.a->link, p.a->held_at(), p.b->link, p.b->held_at());
             settings.margin = 0;
         } else if (p.other_mover >= 0) {
             theirs = moving[p.other_mover].parts[p.other_part].motion;
@@ -151,7 +152,8 @@ bool World::stand_free(const std::vector<BodyId>& robots, const std::vector<Plac
         return true;
     };
     const auto moving = [&](BodyId root) { return std::find(robots.begin(), robots.end(), root) != robots.end(); };
-    const auto first = std::find_if(parts.begin(), parts.end(), [&](const Stander& p) { return p.body->id == suspects.a; });
+    const auto first =
+        std::find_if(parts.begin(), parts.end(), [&](const Stander& p) { return p.body->id == suspects.a; });
     const Body* last = first == parts.end() ? nullptr : find(suspects.b);
     if (last && last->present && !moving(last->root) && !ignores(*first->body, *last) &&
         meets(*first, *last, last->pose, last->box, margin))
@@ -212,11 +214,16 @@ bool World::free_on(const std::vector<BodyId>& robots, const std::vector<Place>&
         const double expected = std::ceil(speed / (discrete ? s.resolution : look * size));
         if (discrete && !(expected <= double(most_steps)))
             throw std::invalid_argument("resolution: " + std::to_string(s.resolution) + " m on a way of " +
-                                        std::to_string(speed) + " m: expected at most " + std::to_string(most_steps) + " steps");
-        const auto looks = static_cast<int64_t>(lesser(greater(expected, 1), double(discrete ? most_steps : most_looks)));
-        return all_of_halving(looks, [&](double t) {
-            return (t == 0.5 && !discrete) || look_at(moving, at(t), near, s.certify.margin, suspects, asked);
-        }) && (discrete || certified(moving, near, s, suspects, asked));
+                                        std::to_string(speed) + " m: expected at most " + std::to_string(most_steps) +
+                                        " steps");
+        const auto looks =
+            static_cast<int64_t>(lesser(greater(expected, 1), double(discrete ? most_steps : most_looks)));
+        return all_of_halving(looks,
+                              [&](double t) {
+                                  return (t == 0.5 && !discrete) ||
+                                         look_at(moving, at(t), near, s.certify.margin, suspects, asked);
+                              }) &&
+               (discrete || certified(moving, near, s, suspects, asked));
     };
     const bool found = free();
     tests_.fetch_add(asked, std::memory_order_relaxed);

@@ -1,17 +1,15 @@
 // A world's queries at one instant: collision, clearance, rays, all pairs.
 #include <algorithm>
 
-#include "world/box_walk.h"
 #include "query/kernels.h"
+#include "world/box_walk.h"
 #include "world/world.h"
 
 namespace fgenv {
 namespace {
 
 // Above a squared distance, in floats.
-float float_bound(double squared) {
-    return squared < 1e30 ? rounded_up(squared) * 1.00001f + 1e-30f : 1e30f;
-}
+float float_bound(double squared) { return squared < 1e30 ? rounded_up(squared) * 1.00001f + 1e-30f : 1e30f; }
 
 }  // namespace
 
@@ -47,7 +45,8 @@ bool World::collides(BodyId id, const Place& place, double time, double margin) 
         if (hit) break;
         if (!overlap(boxes[i], boxes[j])) continue;
         ++n;
-        hit = hits(*body(robot.parts[i]).shape, *body(robot.parts[j]).shape, relative(poses[i], poses[j]), margin, false);
+        hit =
+            hits(*body(robot.parts[i]).shape, *body(robot.parts[j]).shape, relative(poses[i], poses[j]), margin, false);
     }
     std::vector<BodyId> near;
     if (!hit) candidates(robot, around, near);
@@ -174,7 +173,8 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
     std::vector<std::pair<double, BodyId>> order;
     for (BodyId id : near) {
         const Box& box = body(id).box;
-        if ((flat && (o.z < box.lo.z || o.z > box.hi.z)) || std::binary_search(ignored.begin(), ignored.end(), id)) continue;
+        if ((flat && (o.z < box.lo.z || o.z > box.hi.z)) || std::binary_search(ignored.begin(), ignored.end(), id))
+            continue;
         double squared = 0;
         for (int i = 0; i < 3; ++i) {
             const double x = coordinate(o, i);
@@ -211,7 +211,9 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
                     seen = apply(back, o);
                     placed = true;
                 }
-                distances[k] = lesser(distances[k], kernels().raycast(*b.shape, seen, rotate(back, directions[k]), distances[k]).distance);
+                distances[k] =
+                    lesser(distances[k],
+                           kernels().raycast(*b.shape, seen, rotate(back, directions[k]), distances[k]).distance);
             }
         }
     }
