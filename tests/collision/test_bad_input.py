@@ -14,6 +14,8 @@ from oracles.solids import angle_iron, at, box
 
 from fgenv.collision import FeatureGraph, Shape, collide, contact, distance, nearest
 
+pytestmark = pytest.mark.native
+
 CUBE = Shape(*box(1.0))
 HERE = np.eye(4)
 VERTICES, FACES = box(1.0)

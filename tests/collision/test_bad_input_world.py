@@ -18,6 +18,8 @@ from oracles.solids import at, box
 from fgenv.collision import Shape
 from fgenv.collision.world import World
 
+pytestmark = pytest.mark.native
+
 CUBE = Shape(*box(1.0))
 HERE = np.eye(4)
 TWO = np.stack([at(9.0), at(12.0)])

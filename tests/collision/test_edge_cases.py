@@ -29,7 +29,10 @@ from fgenv.collision import Shape, collide, contact, distance
 HERE = np.eye(4)
 PLACES = [HERE, *(somewhere(np.random.default_rng(seed)) for seed in range(5))]
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 def shape(solid: Solid) -> Shape:

@@ -50,7 +50,10 @@ METHODS: list[dict[str, object]] = [
     {"tolerance": 1e-2},
 ]
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 def kinds(graph: FeatureGraph) -> dict[str, int]:

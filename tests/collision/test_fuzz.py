@@ -19,6 +19,8 @@ from oracles.solids import angle_iron, ball, box
 from fgenv.bench.common.poses import random_rotations
 from fgenv.collision import FeatureGraph, Shape, collide, contact, distance, nearest
 
+pytestmark = pytest.mark.native
+
 HERE = np.eye(4)
 SOLIDS = [Shape(*box(1.0)), Shape(*angle_iron()), Shape(*ball(0.5, 1), tolerance=0.1)]
 

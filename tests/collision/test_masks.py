@@ -24,7 +24,10 @@ CUBE = Shape(*box(1.0))
 SIZE = 1.2  # meters: about how far bodies are from the origin
 END = 4.0  # seconds: when trajectories end
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 class Stage:

@@ -25,7 +25,10 @@ from fgenv.collision import Shape, collide, contact, distance, nearest
 HERE = np.eye(4)
 PAIRS = pairs(6, largest=3000, seed=11)
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 class Scene:
@@ -444,6 +447,7 @@ def digest(**environment: str) -> tuple[str, str]:
     return isa, value
 
 
+@pytest.mark.unsanitized
 def test_results_are_equal_bit_for_bit_on_every_machine() -> None:
     usual = digest(FGENV_THREADS="1")
     assert digest(FGENV_THREADS="2")[1] == usual[1]
@@ -483,13 +487,16 @@ def test_queries_run_side_by_side(scene: Scene) -> None:
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_long_batch_can_be_interrupted(threads: int) -> None:
     a = Shape(*ball(1.0, 4))
-    poses = np.broadcast_to(at(0.0, 0.0, 2.1), (500_000, 4, 4))  # seconds of work
-    began = time.perf_counter()
+    poses = np.broadcast_to(at(0.0, 0.0, 2.1), (500_000, 4, 4))
+    began = time.process_time()
+    distance(a, HERE, a, poses[:10_000], threads=threads)
+    whole = 50 * (time.process_time() - began)  # CPU-seconds of all poses
+    began = time.process_time()
     timer = threading.Timer(0.4, signal.raise_signal, [signal.SIGINT])
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def work() -> None:
-        while time.perf_counter() < began + 30:
+        for _ in range(20):
             distance(a, HERE, a, poses, threads=threads)
 
     try:
@@ -499,20 +506,7 @@ def test_a_long_batch_can_be_interrupted(threads: int) -> None:
     finally:
         timer.cancel()
         signal.signal(signal.SIGINT, handler)
-    assert time.perf_counter() - began < 5
-
-
-def test_one_call_costs_little_beside_the_query() -> None:
-    """Two bodies far apart: what is left is the call. The limit is loose: machines are shared."""
-    cube = Shape(*box(1.0))
-    far = at(5.0, 5.0, 5.0)
-    best = np.inf
-    for _ in range(20):
-        began = time.perf_counter()
-        for _ in range(500):
-            collide(cube, HERE, cube, far)
-        best = min(best, (time.perf_counter() - began) / 500)
-    assert best < 4e-6
+    assert time.process_time() - began < 0.8 * whole
 
 
 def test_shapes_pickle_and_copy() -> None:

@@ -17,6 +17,8 @@ from support import TESTS
 
 from fgenv.collision import MeshWarning, Shape, collide, contact, distance, nearest
 
+pytestmark = pytest.mark.native
+
 HERE = np.eye(4)
 
 
@@ -169,6 +171,7 @@ def symmetric_contacts() -> list[object]:
     return told
 
 
+@pytest.mark.unsanitized
 def test_contacts_do_not_depend_on_the_instruction_set() -> None:
     """Fused products in the culls changed which of equal contacts was found first."""
     told = []

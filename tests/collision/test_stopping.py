@@ -14,6 +14,8 @@ from fgenv.arrays import Floats
 from fgenv.collision import Shape, World, collide
 from fgenv.collision.world import MotionResult
 
+pytestmark = pytest.mark.native
+
 HERE = np.eye(4)
 PITCH = 1.1  # meters between 64 bodies of up to 0.9
 SEEDS = st.integers(0, 2**32 - 1)

@@ -27,7 +27,10 @@ TWINS: dict[str, Callable[[World], World]] = {
     "pickle": lambda world: pickle.loads(pickle.dumps(world)),
 }
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 def mixed(seed: int, count: int = 24, reach: float = 0.8) -> tuple[World, Model]:

@@ -23,7 +23,10 @@ from fgenv.collision.world import World
 
 SIZE = 1.0  # meters: about how far bodies are from the origin
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 seeds = st.integers(0, 2**32 - 1)
 picks = st.integers(0, 2**16)

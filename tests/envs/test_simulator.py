@@ -16,6 +16,8 @@ from fgenv.envs.spaces import observation_box
 from fgenv.envs.state_readers import GONE, MOVING, PARKED
 from fgenv.scenarios import Scenario, frozen
 
+pytestmark = pytest.mark.native
+
 QUIET = Observation(lidar=False, neighbors=0)
 
 

@@ -15,7 +15,10 @@ from fgenv.robots import Joint, Link, LinkMotion, Robot
 
 SEEDS = st.integers(0, 2**32 - 1)
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 class Way:

@@ -25,7 +25,10 @@ from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
 
 SEEDS = st.integers(0, 2**32 - 1)
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 def turn_z(angle: float) -> Floats:
@@ -406,6 +409,7 @@ print(h.hexdigest())
 """
 
 
+@pytest.mark.unsanitized
 def test_same_bits_for_any_threads_and_instruction_set() -> None:
     code = DIGEST.format(tests=str(TESTS))
     seen = set()

@@ -22,7 +22,10 @@ SEEDS = st.integers(0, 2**32 - 1)
 CUBE = Shape(*box(0.3))
 PANDA = "panda_description/urdf/panda.urdf"
 
-pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
+]
 
 
 def arm(links: int = 3, length: float = 0.5, name: str = "arm") -> Robot:

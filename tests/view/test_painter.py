@@ -29,6 +29,8 @@ from fgenv.view.figures.palette import (
     to_srgb,
 )
 
+pytestmark = pytest.mark.native
+
 Bytes = NDArray[np.uint8]
 FRONT = Camera(eye=(0.0, -4.0, 0.0), target=(0.0, 0.0, 0.0), fov=0.6, width=201, height=161)
 ABOVE = Camera((0.01, 0.0, 9.0), (0.0, 0.0, 0.0), 0.6, 200, 200)
@@ -200,6 +202,7 @@ def test_a_floor_does_not_fade_before_what_a_far_camera_looks_at() -> None:
 # The same everywhere -----------------------------------------------------------------------------
 
 
+@pytest.mark.unsanitized
 @pytest.mark.parametrize("isa", sorted({"baseline", _core.isa()}))
 def test_pictures_do_not_depend_on_the_instruction_set(isa: str) -> None:
     done = subprocess.run(
