@@ -1,15 +1,10 @@
-"""What moves the bodies of a scene: policies, path following, planning anew."""
+"""Policies: built-in, planned and trained; their training and evaluation."""
 
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from fgenv.agents.drive import Drive, drive
 from fgenv.agents.evaluation.episode import run_episode
 from fgenv.agents.evaluation.evaluation import Evaluation, evaluate
-from fgenv.agents.events import Arrived, Hit, MasksCleared, MasksSet, Replanned
-from fgenv.agents.experiment import Experiment, run_experiment
-from fgenv.agents.facts import facts
-from fgenv.agents.path_follower import PathFollower
 from fgenv.agents.policies.file import PolicyError, PolicyFile
 from fgenv.agents.policies.goto import GoTo
 from fgenv.agents.policies.network import Trained
@@ -17,7 +12,6 @@ from fgenv.agents.policies.orca import Orca
 from fgenv.agents.policies.random import RandomPolicy
 from fgenv.agents.policies.rest import Rest
 from fgenv.agents.registry import POLICIES, policy_of
-from fgenv.agents.replan import Journey, drive_and_replan
 from fgenv.envs import Policy
 
 if TYPE_CHECKING:
@@ -30,35 +24,22 @@ LATER = {"policies.plan": ("PlanWarning", "Planned"), "policies.replan": ("Repla
 
 __all__ = [
     "POLICIES",
-    "Arrived",
-    "Drive",
     "Evaluation",
-    "Experiment",
     "FleetVecEnv",
     "GoTo",
-    "Hit",
-    "Journey",
-    "MasksCleared",
-    "MasksSet",
     "Orca",
-    "PathFollower",
     "PlanWarning",
     "Planned",
     "Policy",
     "PolicyError",
     "PolicyFile",
     "RandomPolicy",
-    "Replanned",
     "Replanning",
     "Rest",
     "Trained",
-    "drive",
-    "drive_and_replan",
     "evaluate",
-    "facts",
     "policy_of",
     "run_episode",
-    "run_experiment",
 ]
 
 

@@ -6,9 +6,6 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.planar import PlanarChecker, plan_planar
-from fgenv.planners.planar_rrt import PlanarPlan, rrt_connect
-from fgenv.planners.proof import Proof, prove_free
 
 if TYPE_CHECKING:
     from fgenv.planners.certificate import Certificate, certify
@@ -41,11 +38,8 @@ __all__ = [
     "MotionValidator",
     "Plan",
     "PlanError",
-    "PlanarChecker",
-    "PlanarPlan",
     "PlanningError",
     "Problem",
-    "Proof",
     "Route",
     "Setup",
     "StateValidityChecker",
@@ -54,9 +48,6 @@ __all__ = [
     "composite",
     "legs",
     "plan",
-    "plan_planar",
-    "prove_free",
-    "rrt_connect",
     "setup",
     "space_of",
     "verify",

@@ -96,6 +96,12 @@ class Record:
     robot: Model | None  # of a robot's first body, with its
     configuration: NDArray[np.float64] | None  # (nq,)
 
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of the body's axis-aligned box in the world, (2, 3), meters."""
+        points = self.shape.vertices @ self.pose[:3, :3].T + self.pose[:3, 3]
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
 
 class World:
     """Bodies with poses; masks, collision, clearance, motion and rays among them.

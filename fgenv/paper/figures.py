@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fgenv.agents import Experiment, Hit, PathFollower
-from fgenv.agents.events import Configuration
 from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
 from fgenv.collision.world import Record
-from fgenv.scenarios import Scene, bounds
+from fgenv.paper.drive import FirstContact
+from fgenv.paper.experiment import Experiment
+from fgenv.paper.scene import model_list, robot_shape
+from fgenv.paper.timed_path import TimedPath
+from fgenv.planners import Problem
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.layout import beside, captioned
 from fgenv.view.figures.palette import (
@@ -49,7 +51,7 @@ def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
 def feature_points(experiment: Experiment) -> Image.Image:
     """Figure 3: the published feature points on the robot and on tank 2."""
     panels, counts = [], []
-    robot, _, tank, _ = experiment.scene.records
+    robot, _, tank, _ = model_list(experiment.problem.world)
     for body in (robot, tank):
         graph = _graph(body, "loop")
         picture = _alone(body)
@@ -62,7 +64,7 @@ def feature_points(experiment: Experiment) -> Image.Image:
 
 def feature_graph(experiment: Experiment) -> Image.Image:
     """Figure 4: the robot's graph as published, and the lossless one that decides here."""
-    body = experiment.scene.records[0]
+    body = model_list(experiment.problem.world)[0]
     cycle, exact = _graph(body, "loop"), _graph(body, "exact")
     left, right = _alone(body, ghost=True), _alone(body)
     left.segments(_edges(cycle, body), VERMILION, width=0.8, hidden=0.6)
@@ -78,36 +80,39 @@ def feature_graph(experiment: Experiment) -> Image.Image:
 
 def motion_box(experiment: Experiment) -> Image.Image:
     """Figure 5: the straight path, its motion box, and the masks that it sets."""
-    scene, masks = experiment.scene, experiment.journey.drives[0].masks
-    low, high = masks.motion_boxes[0]  # the path has one leg
-    ghosts = _ghosts(scene, masks.path, 8)
+    problem, drive = experiment.problem, experiment.drives[0]
+    low, high = drive.motion_boxes[0]  # the path has one leg
+    ghosts = _ghosts(problem, drive.path, 8)
     corners = low + CORNERS * (high - low)
     hull = Shape(corners, _BOX_FACES)
     haze = Solid(hull, np.eye(4), PURPLE, opacity=0.13)
-    bodies = _bodies(experiment, scene.start)
-    colors = {b.name: SKY if masks.masks[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
+    bodies = _bodies(experiment, problem.starts[0])
+    colors = {b.name: SKY if drive.during[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
     picture = stage(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
     picture.segments(corners[BOX_EDGES], PURPLE, width=2, hidden=0.3)
-    picture.polyline(_on_floor(masks.path), GREEN, width=2.5, hidden=0.4)
+    picture.polyline(_on_floor(drive.path), GREEN, width=2.5, hidden=0.4)
     for body in bodies:
-        picture.label(_above(body), f"{body.name}: mask {masks.masks[body.name]}", size=17)
-    text = "The whole robot stays in the box all along the straight path; who reaches into it is "
-    text += "tested (mask 1), who does not is not (mask 0)"
+        picture.label(_above(body), f"{body.name}: mask {drive.during[body.name]}", size=17)
+    text = (
+        "The robot stays in the box all along the straight path; bodies that reach into the box "
+        "are tested (mask 1), all others are not (mask 0)"
+    )
     return captioned(picture.image(), "Figure 5. Motion box and masks", text)
 
 
 def start_and_goal(experiment: Experiment) -> Image.Image:
-    """Figure 7: (a) before the motion, (b) after it, with the way that was driven."""
-    scene, drives = experiment.scene, experiment.journey.drives
-    ends = scene.start, _end(experiment)
+    """Figure 7: (a) before the motion, (b) after it, with the driven path."""
+    problem, drives = experiment.problem, experiment.drives
+    straight = np.stack([problem.starts[0], problem.goals[0]])
+    ends = straight[0], _end(experiment)
     panels = []
     for configuration, name in zip(ends, ("(a) start", "(b) goal"), strict=True):
         bodies = _bodies(experiment, configuration)
         passed = drives[-1] if name == "(b) goal" and len(drives) > 1 else None
-        ghosts = [] if passed is None else _ghosts(scene, passed.driven, 6)
+        ghosts = [] if passed is None else _ghosts(problem, passed.driven, 6)
         picture = stage(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
         if name == "(a) start":
-            picture.polyline(_on_floor(scene.straight_path), BLUE, width=2, hidden=0.4)
+            picture.polyline(_on_floor(straight), BLUE, width=2, hidden=0.4)
         else:
             for drive, color in zip(drives, (BLUE, GREEN), strict=False):
                 picture.polyline(_on_floor(drive.driven), color, width=2, hidden=0.4)
@@ -124,32 +129,32 @@ def start_and_goal(experiment: Experiment) -> Image.Image:
 
 def collision(experiment: Experiment) -> Image.Image:
     """Figure 8: the moment of the collision, and its feature edge and face from near."""
-    hit = experiment.journey.drives[0].hit
+    hit = experiment.drives[0].hit
     if hit is None:
         picture = stage(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
-        return captioned(picture.image(), "Figure 8. Collision", "None was met")
-    bodies, colors = _bodies(experiment, hit.after), {hit.mover: ORANGE, hit.body: VERMILION}
+        return captioned(picture.image(), "Figure 8. Collision", "There was no collision")
+    bodies, colors = _bodies(experiment, hit.after), {hit.robot: ORANGE, hit.body: VERMILION}
     wide = stage(bodies, _overview(*PANEL), colors)
-    wide.polyline(_on_floor(experiment.journey.drives[0].driven), BLUE, width=2, hidden=0.4)
+    wide.polyline(_on_floor(experiment.drives[0].driven), BLUE, width=2, hidden=0.4)
     for body in bodies:
         wide.label(_above(body), body.name, size=15)
     wide.points([hit.contact.point], INK, radius=4, hidden=1.0)
     near = _near(bodies, hit, colors)
     x, y, z = hit.contact.point
     text = (
-        f"{hit.mover} and {hit.body} meet {hit.time:.2f} s after the start at "
+        f"{hit.robot} and {hit.body} meet {hit.time:.2f} s after the start at "
         f"({x:.3f}, {y:.3f}, {z:.3f}) m: a feature edge (blue) crosses a face (black)"
     )
     return captioned(beside([wide.image(), near.image()]), "Figure 8. Collision", text)
 
 
-def _near(bodies: list[Record], hit: Hit, colors: dict[str, Color]) -> Picture:
+def _near(bodies: list[Record], hit: FirstContact, colors: dict[str, Color]) -> Picture:
     solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
     point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
     camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
     picture = stage(bodies, camera, colors, grid=0.25)
     if hit.contact.face is not None:
-        body = pair[hit.body if hit.contact.edge_of == "a" else hit.mover]
+        body = pair[hit.body if hit.contact.edge_of == "a" else hit.robot]
         face = placed(body.shape.vertices[body.shape.faces[hit.contact.face]], body.pose)
         picture.polyline(face[[0, 1, 2, 0]], INK, width=2, hidden=0.5)
     if hit.contact.edge is not None:
@@ -160,7 +165,7 @@ def _near(bodies: list[Record], hit: Hit, colors: dict[str, Color]) -> Picture:
 
 def _alone(body: Record, ghost: bool = False) -> Picture:
     camera = portrait(body, *PANEL)
-    size = float(np.ptp(bounds(body), axis=0).max())
+    size = float(np.ptp(body.bounds, axis=0).max())
     grid = float(10.0 ** np.floor(np.log10(size)) / 4)
     if not ghost:
         return stage([body], camera, {body.name: STEEL}, grid=grid)
@@ -176,26 +181,26 @@ def _edges(graph: FeatureGraph, body: Record) -> Floats:
     return placed(graph.points[graph.edges], body.pose)
 
 
-def _end(experiment: Experiment) -> Configuration:
-    """Where the mover came to stand."""
-    x, y, yaw = experiment.journey.drives[-1].driven[-1].tolist()
-    return x, y, yaw
+def _end(experiment: Experiment) -> Floats:
+    """The robot's last configuration, (3,)."""
+    return np.asarray(experiment.drives[-1].driven[-1])
 
 
-def _bodies(experiment: Experiment, at: Configuration) -> list[Record]:
-    mover, *others = experiment.scene.records
-    return [replace(mover, pose=experiment.scene.poses(at)), *others]
+def _bodies(experiment: Experiment, at: Floats) -> list[Record]:
+    """All bodies, the robot first, at a configuration (3,)."""
+    robot, *tanks = model_list(experiment.problem.world)
+    return [replace(robot, pose=experiment.problem.models[0].forward(at, 0)), *tanks]
 
 
 def _overview(width: int, height: int) -> Camera:
     return Camera((-2.0, -7.6, 6.6), (4.0, 3.1, 0.2), 0.6, width, height)
 
 
-def _ghosts(scene: Scene, path: Floats, count: int) -> list[Solid]:
-    """The mover, pale, at so many places spread along a path."""
-    follower = PathFollower(path, speed=1.0, radius=0.0)
-    poses = scene.poses(follower.at(np.linspace(0, follower.duration, count + 1)[1:]))
-    shape = scene.world.record(scene.mover).shape
+def _ghosts(problem: Problem, path: Floats, count: int) -> list[Solid]:
+    """The robot, translucent, at `count` places along a path."""
+    timed = TimedPath(path, speed=1.0, radius=0.0)
+    q = timed.at(np.linspace(0, timed.duration, count + 1)[1:])
+    shape, poses = robot_shape(problem), problem.models[0].forward(q, 0)
     return [Solid(shape, pose, ORANGE, opacity=0.3) for pose in poses]
 
 
@@ -204,7 +209,7 @@ def _on_floor(path: Floats) -> Floats:
 
 
 def _above(body: Record) -> Floats:
-    low, high = bounds(body)
+    low, high = body.bounds
     middle = (low + high) / 2
     return np.array([middle[0], middle[1], high[2] + 0.3])
 

@@ -10,9 +10,7 @@ from fgenv.scenarios.build import Built
 from fgenv.scenarios.errors import Problem, ScenarioError
 from fgenv.scenarios.frozen_set import FrozenSet, frozen
 from fgenv.scenarios.load import validate
-from fgenv.scenarios.scene import Scene, bounds, in_contact
 from fgenv.scenarios.schema import Scenario
-from fgenv.scenarios.three_tanks import three_tanks
 
 __all__ = [
     "Built",
@@ -20,10 +18,6 @@ __all__ = [
     "Problem",
     "Scenario",
     "ScenarioError",
-    "Scene",
-    "bounds",
     "frozen",
-    "in_contact",
-    "three_tanks",
     "validate",
 ]

@@ -1,98 +1,79 @@
-"""The published experiment: its masks, its collision, its way around, against python-fcl."""
+"""The published experiment against python-fcl: masks, collision, path around, figures."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
-import fcl
 import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from support.planar import Fcl
 from typer.testing import CliRunner
 
-from fgenv.agents import Arrived, Experiment, Hit, MasksCleared, MasksSet, facts, run_experiment
-from fgenv.agents.events import Event
 from fgenv.arrays import Floats
 from fgenv.cli import app
-from fgenv.collision.world import Record
+from fgenv.paper.drive import Drive
+from fgenv.paper.experiment import Experiment, Replan, run_experiment
 from fgenv.paper.figures import draw_figures
-from fgenv.scenarios import Scene, bounds, three_tanks
-from fgenv.scenarios.se2 import as_path, as_poses, reach, refine
+from fgenv.paper.report import as_data
+from fgenv.paper.scene import masks, model_list, robot_shape, three_tanks
+from fgenv.paper.timed_path import as_path, radius_of, refine
+from fgenv.planners import Problem
 
 PUBLISHED = {"robot": 1, "tank 1": 0, "tank 2": 1, "tank 3": 1}
 NONE = dict.fromkeys(PUBLISHED, 0)
 
 
 @pytest.fixture(scope="module")
-def told() -> tuple[Experiment, list[Event]]:
-    events: list[Event] = []
-    return run_experiment(three_tanks(), seed=0, report=events.append), events
+def reported() -> tuple[Experiment, list[Drive | Replan]]:
+    results: list[Drive | Replan] = []
+    return run_experiment(three_tanks(), seed=0, report=results.append), results
 
 
 @pytest.fixture
-def experiment(told: tuple[Experiment, list[Event]]) -> Experiment:
-    return told[0]
+def experiment(reported: tuple[Experiment, list[Drive | Replan]]) -> Experiment:
+    return reported[0]
 
 
-class Peer:
-    """python-fcl on the bodies of a scene."""
-
-    def __init__(self, scene: Scene) -> None:
-        mover, *others = scene.records
-        self.mover, self.height = self._object(mover), scene.height
-        self.others = {body.name: self._object(body) for body in others}
-
-    @staticmethod
-    def _object(body: Record) -> Any:
-        model = fcl.BVHModel()
-        model.beginModel(len(body.shape.vertices), len(body.shape.faces))
-        model.addSubModel(body.shape.vertices, body.shape.faces)
-        model.endModel()
-        pose = body.pose
-        return fcl.CollisionObject(model, fcl.Transform(pose[:3, :3], pose[:3, 3]))
-
-    def hits(self, q: Floats) -> list[str]:
-        pose = as_poses(q, self.height)
-        self.mover.setTransform(fcl.Transform(pose[:3, :3], pose[:3, 3]))
-        return [name for name, other in self.others.items() if fcl.collide(self.mover, other)]
+def straight(problem: Problem) -> Floats:
+    return np.stack([problem.starts[0], problem.goals[0]])
 
 
 def test_scene_is_as_published(experiment: Experiment) -> None:
-    scene = experiment.scene
-    mover, *tanks = scene.records
-    for body in scene.records:
+    robot, *tanks = records = model_list(experiment.problem.world)
+    for body in records:
         assert body.shape.watertight
         assert 1000 <= len(body.shape.faces) <= 3000
         assert (body.graph.kinds == "valley").any()  # concave
         assert len(body.feature_points) > 100
-    assert 0.8 < np.ptp(mover.shape.vertices, axis=0).max() < 1.3
+    assert 0.8 < np.ptp(robot.shape.vertices, axis=0).max() < 1.3
     sizes = {tuple(np.ptp(b.shape.vertices, axis=0).round(3)) for b in tanks}
     assert len(sizes) == 3
 
 
 def test_masks_before_during_and_after(experiment: Experiment) -> None:
-    first, again = experiment.journey.drives
+    first, again = experiment.drives
     assert first.before == again.before == NONE
-    assert first.masks.masks == experiment.published.masks == PUBLISHED
-    assert first.cleared.masks == again.cleared.masks == NONE
-    assert experiment.scene.masks == NONE
-    assert again.masks.masks["robot"] == 1
+    assert experiment.published is not None
+    assert first.during == experiment.published.masks == PUBLISHED
+    assert first.after == again.after == NONE
+    assert masks(experiment.problem.world) == NONE
+    assert again.during["robot"] == 1
 
 
 def test_masked_pairs_are_not_tested(experiment: Experiment) -> None:
-    for drive in experiment.journey.drives:
-        masked = sum(drive.masks.masks.values()) - 1
+    for drive in experiment.drives:
+        masked = sum(drive.during.values()) - 1
         assert 0 < drive.tests <= drive.steps * masked
         assert drive.without_masks == drive.steps * 3
 
 
 def test_first_contact_agrees_with_fcl(experiment: Experiment) -> None:
-    scene, hit = experiment.scene, experiment.journey.drives[0].hit
+    hit = experiment.drives[0].hit
     assert hit is not None
-    peer, path = Peer(scene), scene.straight_path
+    peer, path = Fcl(experiment.problem), straight(experiment.problem)
     places = refine(path, 0.0, 0.003)
     k = next(k for k, q in enumerate(places) if peer.hits(q))
     free, touching = places[k - 1], places[k]
@@ -103,18 +84,18 @@ def test_first_contact_agrees_with_fcl(experiment: Experiment) -> None:
     assert hit.bracket <= 1e-4
     assert np.linalg.norm(np.subtract(hit.after, touching)) < 2e-6
     assert not peer.hits(np.array(hit.before) - (free - path[0]) * 1e-9)
-    # At half a meter a second along the path, the time is the way.
+    # The speed along the path is 0.5 m/s.
     assert hit.time == pytest.approx(np.linalg.norm(touching[:2] - path[0, :2]) / 0.5, abs=1e-5)
 
 
 def test_contact_is_shown_by_a_feature_edge_on_a_face(experiment: Experiment) -> None:
-    scene, hit = experiment.scene, experiment.journey.drives[0].hit
+    hit, problem = experiment.drives[0].hit, experiment.problem
     assert hit is not None
     found = hit.contact
     assert found.edge is not None
     assert found.face is not None
-    records = {record.name: record for record in scene.records}
-    poses = {"robot": as_poses(hit.after), "tank 2": records["tank 2"].pose}
+    records = {record.name: record for record in model_list(problem.world)}
+    poses = {"robot": problem.models[0].forward(hit.after, 0), "tank 2": records["tank 2"].pose}
     shapes = {name: records[name].shape for name in poses}
     owner, other = ("robot", "tank 2") if found.edge_of == "a" else ("tank 2", "robot")
     graph, pose = shapes[owner].graph, poses[owner]
@@ -134,39 +115,32 @@ def test_contact_is_shown_by_a_feature_edge_on_a_face(experiment: Experiment) ->
 
 
 def test_replanned_path_is_free_by_fcl_at_a_fine_step(experiment: Experiment) -> None:
-    scene = experiment.scene
-    first, again = experiment.journey.drives
-    path = again.masks.path
+    problem, replan = experiment.problem, experiment.replan
+    assert replan is not None
+    first, again = experiment.drives
+    path = again.path
     np.testing.assert_allclose(path[0], first.driven[-1], atol=1e-12)
-    np.testing.assert_allclose(path[-1], scene.goal, atol=1e-12)
+    np.testing.assert_allclose(path[-1], problem.goals[0], atol=1e-12)
     np.testing.assert_allclose(again.driven, path, atol=1e-12)
-    peer = Peer(scene)
-    fine = refine(as_path(path), reach(scene.records[0].shape.vertices), 0.002)
+    peer = Fcl(problem)
+    fine = refine(as_path(path), peer.radius, 0.002)
     assert len(fine) > 3000
     assert not any(peer.hits(q) for q in fine)
-    proof = experiment.journey.plans[0].proof
-    assert proof.proved
-    assert proof.edges == len(experiment.journey.plans[0].plan.path) - 1
-    assert 0.03 < proof.least < 0.2
-    np.testing.assert_allclose(scene.world.poses(scene.mover), scene.poses(scene.goal), atol=1e-12)
+    assert replan.plan.certificate.proved
+    assert 0.03 < replan.plan.certificate.least < 0.2
+    at = problem.world.configuration(problem.robots[0])
+    np.testing.assert_allclose(at, problem.goals[0], atol=1e-12)
 
 
-def test_events_are_told_in_order(told: tuple[Experiment, list[Event]]) -> None:
-    events = told[1]
-    names = [type(event).__name__ for event in events]
-    assert names == [
-        "MasksSet",
-        "Hit",
-        "MasksCleared",
-        "Replanned",
-        "MasksSet",
-        "MasksCleared",
-        "Arrived",
-    ]
-    times = [event.time for event in events]
-    assert times == sorted(times)
-    kinds = MasksSet, Hit, MasksCleared, Arrived
-    assert all(any(isinstance(event, kind) for event in events) for kind in kinds)
+def test_results_are_reported_in_order(
+    reported: tuple[Experiment, list[Drive | Replan]],
+) -> None:
+    experiment, results = reported
+    first, again = experiment.drives
+    assert results == [first, experiment.replan, again]
+    assert first.hit is not None
+    assert 0 == first.start < first.hit.time == first.end == again.start < again.end
+    assert again.hit is None
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -175,17 +149,18 @@ def test_any_seed_comes_out_as_published(seed: int) -> None:
     assert experiment.as_published, experiment.checks
 
 
-def test_same_seed_same_account(experiment: Experiment) -> None:
-    once, twice = facts(experiment), facts(run_experiment(three_tanks(), seed=0))
+def test_same_seed_same_results(experiment: Experiment) -> None:
+    once, twice = as_data(experiment, 0), as_data(run_experiment(three_tanks(), seed=0), 0)
     assert once.pop("seconds") != twice.pop("seconds")
     assert json.dumps(once) == json.dumps(twice)
 
 
 def test_loop_method_misses_nothing_before_the_truth(experiment: Experiment) -> None:
     """The published cycle may be late or see nothing; here it has no false hit."""
-    hit, said = experiment.journey.drives[0].hit, experiment.published
+    hit, published = experiment.drives[0].hit, experiment.published
     assert hit is not None
-    assert said.time is None or said.time >= hit.time
+    assert published is not None
+    assert published.time is None or published.time >= hit.time
 
 
 # Masks -------------------------------------------------------------------------------------------
@@ -196,13 +171,14 @@ def random_path(rng: np.random.Generator) -> Floats:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_motion_boxes_hold_the_whole_body(seed: int) -> None:
+def test_motion_boxes_contain_the_whole_body(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    scene, path = three_tanks(), as_path(random_path(rng))
-    scene.world.set_path(scene.mover, scene.poses(path))
-    vertices = scene.records[0].shape.vertices
-    for leg, (low, high) in enumerate(scene.world.motion_boxes(scene.mover)):
-        poses = scene.poses(refine(path[leg : leg + 2], reach(vertices), 0.02))
+    problem, path = three_tanks(), as_path(random_path(rng))
+    vertices = robot_shape(problem).vertices
+    problem.world.set_path("robot", path)
+    for leg, (low, high) in enumerate(problem.world.motion_boxes("robot")):
+        q = refine(path[leg : leg + 2], radius_of(vertices), 0.02)
+        poses = problem.models[0].forward(q, 0)
         corners = vertices @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
         assert (corners >= low).all()
         assert (corners <= high).all()
@@ -211,35 +187,38 @@ def test_motion_boxes_hold_the_whole_body(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_mask_never_hides_a_collision(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
-    scene = three_tanks()
-    path = as_path(np.array(scene.start) + random_path(rng) * (2, 2, 1) + (4, 3, 0))
-    scene.world.set_path(scene.mover, scene.poses(path))
-    peer, hidden = Peer(scene), {name for name, mask in scene.masks.items() if mask == 0}
+    problem = three_tanks()
+    path = as_path(problem.starts[0] + random_path(rng) * (2, 2, 1) + (4, 3, 0))
+    problem.world.set_path("robot", path)
+    peer, hidden = Fcl(problem), {n for n, mask in masks(problem.world).items() if mask == 0}
     touched = {name for q in refine(path, 1.0, 0.1) for name in peer.hits(q)}
     assert not touched & hidden
 
 
 def test_a_large_body_beside_the_path_reaches_into_the_box() -> None:
     """The published form looks at positions alone and misses it."""
-    scene = three_tanks()
-    tank = scene.records[1].shape
-    beside = scene.world.add(tank, as_poses((4.0, 6.2, 0.0)), name="beside")
-    assert beside in scene.world.set_path(scene.mover, scene.poses(scene.straight_path))
-    assert scene.masks["beside"] == 1
+    problem = three_tanks()
+    pose = np.eye(4)
+    pose[:2, 3] = 4.0, 6.2
+    beside = problem.world.add(problem.world.record("tank 1").shape, pose, name="beside")
+    assert beside in problem.world.set_path("robot", straight(problem))
+    assert masks(problem.world)["beside"] == 1
 
 
-def test_each_mover_has_its_own_bit() -> None:
-    scene = three_tanks()
-    world, one = scene.world, scene.mover
-    other = world.add(scene.records[0].shape, as_poses((0.0, 8.0, 0.0)), name="other")
-    world.set_path(one, scene.poses(scene.straight_path))
-    world.set_path(other, as_poses([(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)]))
-    assert scene.masks == {"robot": 3, "tank 1": 2, "tank 2": 1, "tank 3": 1, "other": 3}
-    # Both see tanks of their own: that is no reason to test one's against the other's.
-    assert 1 not in world.candidates(one)
-    assert 2 not in world.candidates(other)
-    world.clear_path(one)
-    assert list(scene.masks.values())[1:] == [2, 0, 0, 2]
+def test_each_robot_has_its_own_bit() -> None:
+    problem = three_tanks()
+    world = problem.world
+    world.add_robot(problem.models[0], (0.0, 8.0, 0.0), name="other")
+    world.set_path("robot", straight(problem))
+    world.set_path("other", [(0.0, 8.0, 0.0), (0.0, 0.5, 0.0)])
+    expected = {"robot": 3, "tank 1": 2, "tank 2": 1, "tank 3": 1, "other": 3}
+    assert masks(world) == expected
+    # A robot does not test the tanks of the other robot.
+    names = dict(zip(world.ids.tolist(), world.names, strict=True))
+    assert "tank 1" not in [names[body] for body in world.candidates("robot").tolist()]
+    assert "tank 2" not in [names[body] for body in world.candidates("other").tolist()]
+    world.clear_path("robot")
+    assert masks(world) == {"robot": 2, "tank 1": 2, "tank 2": 0, "tank 3": 0, "other": 2}
 
 
 # The command -------------------------------------------------------------------------------------
@@ -252,28 +231,28 @@ def fgenv(*arguments: str) -> tuple[int, str]:
     return done.exit_code, done.stdout
 
 
-def test_json_has_all_facts_and_the_exit_code_says_so() -> None:
+def test_json_has_all_results_and_the_exit_code_agrees() -> None:
     code, out = fgenv("--json", "--no-pictures", "--seed", "4")
-    said = json.loads(out)
+    data = json.loads(out)
     assert code == 0
-    assert said["as_published"] is True
-    assert said["seed"] == 4
-    first, again = said["drives"]
+    assert data["as_published"] is True
+    assert data["seed"] == 4
+    first, again = data["drives"]
     assert first["masks"] == {"before": NONE, "during": PUBLISHED, "after": NONE}
     assert np.array(first["motion_boxes"]).shape == (1, 2, 3)
-    met = first["collision"]
-    assert met["pair"] == ["robot", "tank 2"]
-    assert met["bracket"] <= 1e-4
-    assert len(met["point"]) == 3
-    assert met["time"] == first["end_time"] == again["start_time"]
-    assert {met["edge_of"], met["face_of"]} == {"robot", "tank 2"}
+    hit = first["collision"]
+    assert hit["pair"] == ["robot", "tank 2"]
+    assert hit["bracket"] <= 1e-4
+    assert len(hit["point"]) == 3
+    assert hit["time"] == first["end_time"] == again["start_time"]
+    assert {hit["edge_of"], hit["face_of"]} == {"robot", "tank 2"}
     assert again["collision"] is None
-    assert said["plan"]["proved_free"] is True
-    assert said["plan"]["length"] > 5.8
-    assert said["pictures"] == []
+    assert data["plan"]["proved_free"] is True
+    assert data["plan"]["length"] > 5.8
+    assert data["pictures"] == []
 
 
-def test_account_reads_well() -> None:
+def test_report_has_all_results() -> None:
     code, out = fgenv("--no-pictures")
     assert code == 0
     for words in ("collision of robot with tank 2", "motion box", "arrived", "as published"):
@@ -306,12 +285,12 @@ def cart(folder: Path, scale: float = 1.0) -> Path:
 
 def test_own_mesh(tmp_path: Path) -> None:
     code, out = fgenv("--mesh", str(cart(tmp_path)), "--json", "--no-pictures")
-    said = json.loads(out)
+    data = json.loads(out)
     assert code == 0
-    assert said["bodies"][0]["size"] == pytest.approx([0.8, 0.5, 0.8], abs=1e-6)
-    assert said["bodies"][0]["watertight"] is False
-    low, _ = said["drives"][0]["motion_boxes"][0]
-    assert low[2] == pytest.approx(0.0, abs=1e-9)  # stood on the floor
+    assert data["bodies"][0]["size"] == pytest.approx([0.8, 0.5, 0.8], abs=1e-6)
+    assert data["bodies"][0]["watertight"] is False
+    low, _ = data["drives"][0]["motion_boxes"][0]
+    assert low[2] == pytest.approx(0.0, abs=1e-9)  # put on the floor
 
 
 def test_own_mesh_is_scaled_only_if_asked(tmp_path: Path) -> None:
@@ -324,7 +303,7 @@ def test_own_mesh_is_scaled_only_if_asked(tmp_path: Path) -> None:
 
 def test_own_mesh_that_collides_at_once_is_an_error(tmp_path: Path) -> None:
     trimesh.creation.box((5.5, 5.5, 0.4)).export(tmp_path / "raft.obj")
-    with pytest.raises(ValueError, match=r"raft\.obj.* collides with tank 3 at its goal \(8, 5\)"):
+    with pytest.raises(ValueError, match=r"raft\.obj.*goal of 'robot': collides with tank 3"):
         three_tanks(tmp_path / "raft.obj")
 
 
@@ -332,11 +311,11 @@ def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:
     """A robot so wide that its motion box reaches tank 1."""
     trimesh.creation.box((0.2, 4.6, 0.1)).export(tmp_path / "wing.ply")
     code, out = fgenv("--mesh", str(tmp_path / "wing.ply"), "--json", "--no-pictures")
-    said = json.loads(out)
+    data = json.loads(out)
     assert code == 1
-    assert said["as_published"] is False
-    assert said["drives"][0]["masks"]["during"]["tank 1"] == 1
-    assert said["drives"][0]["masks"]["after"] == NONE
+    assert data["as_published"] is False
+    assert data["drives"][0]["masks"]["during"]["tank 1"] == 1
+    assert data["drives"][0]["masks"]["after"] == NONE
 
 
 def test_no_step_is_too_long_to_see_a_collision(tmp_path: Path) -> None:
@@ -360,5 +339,5 @@ def test_wrong_use_is_one_clear_error(option: tuple[str, str]) -> None:
 
 def test_three_tanks_in_python_takes_a_mesh(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="watertight"):
-        scene = three_tanks(cart(tmp_path))
-    assert bounds(scene.records[0])[0, 2] == pytest.approx(0.0, abs=1e-9)
+        problem = three_tanks(cart(tmp_path))
+    assert problem.world.record("robot").bounds[0, 2] == pytest.approx(0.0, abs=1e-9)

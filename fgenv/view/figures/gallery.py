@@ -7,7 +7,7 @@ from PIL import Image
 
 from fgenv.arrays import Floats
 from fgenv.collision import World
-from fgenv.scenarios import Built, Scenario, bounds
+from fgenv.scenarios import Built, Scenario
 from fgenv.view.figures.camera import box_corners, overview
 from fgenv.view.figures.palette import robot_color, static_color
 from fgenv.view.figures.picture import Picture
@@ -44,7 +44,7 @@ def draw(scenario: Scenario, width: int = 480, height: int = 360) -> Image.Image
 
 def corners_of(world: World) -> Floats:
     """Corners (n, 3) of the boxes of all bodies."""
-    boxes = [bounds(world.record(int(body))) for body in world.ids]
+    boxes = [world.record(int(body)).bounds for body in world.ids]
     return np.concatenate([box_corners(low, high) for low, high in boxes])
 
 

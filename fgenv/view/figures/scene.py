@@ -7,7 +7,6 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
 from fgenv.collision.world import Record
-from fgenv.scenarios import bounds
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.palette import INK, STEEL, Color
 from fgenv.view.figures.picture import Picture
@@ -51,7 +50,7 @@ def stage(
 
 def portrait(body: Record, width: int, height: int, azimuth: float = -0.85) -> Camera:
     """A camera that sees the whole body from `azimuth` (rad about z), a little from above."""
-    low, high = bounds(body)
+    low, high = body.bounds
     points = placed(body.shape.vertices, body.pose)
     border, frame = 0.06 * height, np.array([width, height])
     for distance in float(np.linalg.norm(high - low)) * np.linspace(1.0, 4.0, 61):

@@ -11,7 +11,6 @@ from fgenv.arrays import Floats
 from fgenv.collision import World, nearest
 from fgenv.envs import Simulator
 from fgenv.envs.native_config import directions, lidar_of
-from fgenv.scenarios import bounds
 from fgenv.view.figures.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
 from fgenv.view.mask_links import AHEAD, links, set_masks
 
@@ -112,7 +111,7 @@ def masks(moment: Moment) -> Drawn:
 
 def top(world: World, robot: str) -> float:
     """How high a robot reaches, meters."""
-    return max(float(bounds(world.record(part))[1][2]) for part in world.parts(robot).tolist())
+    return max(float(world.record(part).bounds[1, 2]) for part in world.parts(robot).tolist())
 
 
 def marked(moment: Moment) -> set[str]:
