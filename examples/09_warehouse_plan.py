@@ -11,7 +11,7 @@ plan = fgenv.plan(scenario, method="prioritized", seed=1, margin=1e-3)
 proof = plan.certificate
 assert proof.proved
 print(f"planned: makespan {plan.makespan:.1f} s, sum of costs {plan.sum_of_costs:.1f} s,")
-print(f"proved free for {proof.steps} steps, nobody comes nearer than {proof.least:.4f} m")
+print(f"proved free for {proof.steps} steps, nobody comes nearer than {proof.clearance:.4f} m")
 
 simulator = Simulator(scenario, clearance=True, autoreset=False)
 policy = Planned(plan=plan)  # or policy_of("plan:prioritized"), which plans each episode itself

@@ -12,7 +12,7 @@ assert proof.proved
 assert proof.nearest is not None
 step, arm, other = proof.nearest
 print(f"{len(plan.configurations)} arms, {plan.steps} steps of {plan.dt} s, found in")
-print(f"{plan.facts['seconds']:.2f} s: proved free, nobody nearer than {1000 * proof.least:.2f} mm")
+print(f"{plan.facts['seconds']:.2f} s: clearance at least {1000 * proof.clearance:.2f} mm")
 print(f"(nearest: {arm} to {other}, after {step * plan.dt:.1f} s)")
 
 # Plans are plain arrays: where joints are at any time, in radians.

@@ -9,11 +9,11 @@ from fgenv.planners.plan import PLAN
 fgenv.plan("doorway", n=2, seed=0, method="composite").save("plan.npz")
 proof = fgenv.verify("plan.npz")
 assert proof
-print(f"plan.npz: proved, {proof.steps} steps, nobody nearer than {proof.least:.4f} m")
+print(f"plan.npz: proved, {proof.steps} steps, nobody nearer than {proof.clearance:.4f} m")
 
 wide = fgenv.verify("plan.npz", margin=10.0)
 assert not wide
-print(f"with 10 m to spare it is not: step {wide.failed}")
+print(f"with 10 m to spare it is not: step {wide.failed_step}")
 
 # A robot that leaps a meter to the side: the file's hash tells that it was changed.
 with np.load("plan.npz") as file:

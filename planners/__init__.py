@@ -1,4 +1,4 @@
-"""Motion planning with OMPL over fgenv's worlds."""
+"""Motion planning for scenarios, with OMPL and multi-robot search."""
 
 from __future__ import annotations
 
@@ -9,53 +9,60 @@ from fgenv.planners.errors import PlanningError
 
 if TYPE_CHECKING:
     from fgenv.planners.certificate import Certificate, certify
-    from fgenv.planners.methods import METHODS, plan
-    from fgenv.planners.multi.composite import PLANNERS, Graph, Route, composite
-    from fgenv.planners.ompl.plugin import MotionValidator, Setup, StateValidityChecker, setup
-    from fgenv.planners.ompl.spaces import Layout, space_of
-    from fgenv.planners.plan import Plan, PlanError, verify
+    from fgenv.planners.methods import METHODS
+    from fgenv.planners.multi.composite import PLANNERS, JointPath, PlannerGraph, plan_composite
+    from fgenv.planners.ompl.checkers import MotionValidator, StateValidityChecker
+    from fgenv.planners.ompl.setup import Setup, setup
+    from fgenv.planners.ompl.spaces import StateLayout, state_space
+    from fgenv.planners.plan import Plan, PlanError
     from fgenv.planners.problem import Problem
     from fgenv.planners.steering import Steering, legs
+    from fgenv.planners.verification import verify
 
-# By module; imported when first asked for: some bring OMPL along, which takes a while.
-LATER = {
+# Names by module; imported on first access, since most of these modules import OMPL.
+LAZY = {
     "certificate": ("Certificate", "certify"),
-    "methods": ("METHODS", "plan"),
-    "plan": ("Plan", "PlanError", "verify"),
-    "ompl.plugin": ("MotionValidator", "Setup", "StateValidityChecker", "setup"),
+    "methods": ("METHODS",),
+    "multi.composite": ("PLANNERS", "JointPath", "PlannerGraph", "plan_composite"),
+    "ompl.checkers": ("MotionValidator", "StateValidityChecker"),
+    "ompl.setup": ("Setup", "setup"),
+    "ompl.spaces": ("StateLayout", "state_space"),
+    "plan": ("Plan", "PlanError"),
     "problem": ("Problem",),
-    "multi.composite": ("PLANNERS", "Graph", "Route", "composite"),
-    "ompl.spaces": ("Layout", "space_of"),
     "steering": ("Steering", "legs"),
+    "verification": ("verify",),
 }
 
 __all__ = [
     "METHODS",
     "PLANNERS",
     "Certificate",
-    "Graph",
-    "Layout",
+    "JointPath",
     "MotionValidator",
     "Plan",
     "PlanError",
+    "PlannerGraph",
     "PlanningError",
     "Problem",
-    "Route",
     "Setup",
+    "StateLayout",
     "StateValidityChecker",
     "Steering",
     "certify",
-    "composite",
     "legs",
-    "plan",
+    "plan_composite",
     "setup",
-    "space_of",
+    "state_space",
     "verify",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in LATER.items():
+    for module, names in LAZY.items():
         if name in names:
             return getattr(importlib.import_module(f"fgenv.planners.{module}"), name)
     raise AttributeError(f"module 'fgenv.planners' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

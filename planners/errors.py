@@ -1,4 +1,4 @@
-"""What goes wrong in planning."""
+"""Errors of planning."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Any
 
 
 class PlanningError(RuntimeError):
-    """No plan: the message says why, and what to change.
+    """No plan was found; the message gives the reason and the remedy.
 
     Attributes:
-        best: what there was by then, as far as a method has something to show; else None.
+        best: partial result of the method, or None.
     """
 
     def __init__(self, message: str, best: Any = None) -> None:

@@ -1,182 +1,114 @@
-"""Plans for scenarios: by a method and a planner, timed, and proved."""
+"""Planning methods: how the timed paths of a problem's robots are found."""
 
 from __future__ import annotations
 
-import json
-import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import asdict
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.scenarios import Scenario
-from fgenv.scenarios.errors import near
 
-from .certificate import certify
 from .errors import PlanningError
-from .limits import wrong_with
-from .plan import Plan, padded
+from .multi.composite import plan_composite
+from .multi.conflict_based import plan_conflict_based
+from .multi.prioritized import plan_prioritized
+from .multi.roadmap_set import RoadmapSet
+from .multi.solution import Solution
 from .problem import Problem
 from .timing import steps_together
 
-STRAIGHT = 1e-6  # m or rad, of two steps that are alike
-EXTRA = (0.0, 0.005, 0.02)  # meters of margin while planning, where the timed path is not proved
+STRAIGHT = 1e-6  # m or rad; changes of consecutive steps that differ less are equal
+PRIORITIZED_SHARE = 0.85  # of the time left, before robots without a path are planned jointly
+LEAST_TIME = 0.01  # s
 
 
-def plan(
-    scenario: str | Path | Scenario | Problem,
-    planner: str = "RRTConnect",
-    time_limit: float = 10.0,
-    seed: int = 0,
-    simplify: bool = True,
-    *,
-    method: str | None = None,
-    margin: float = 0.0,
-    objective: str | None = None,
-    **overrides: Any,
-) -> Plan:
-    """Plan all robots of a scenario from their starts to their goals, and prove the plan.
+class TimedPaths(NamedTuple):
+    """Result of a method.
 
-    The timed motion of all robots at once, as it will be executed, is proved free with `margin`
-    meters to spare; `plan.certificate` says so, and how near they come.
-
-    Args:
-        scenario: a name, a file, a Scenario.
-        planner: of OMPL, see `fgenv.planners.PLANNERS`; of the methods that search by one.
-        time_limit: seconds.
-        seed: of all that is random, also of a built-in scenario that is given by its name. The
-            same seed gives the same plan, unless time runs out.
-        simplify: shorten what the planner found, and prove it again.
-        method: see `fgenv.planners.METHODS`: `composite`, `prioritized`, `conflict_based`; if left
-            out composite for one robot, prioritized for more.
-        margin: meters that are kept from everything.
-        objective: `length`, `clearance` or `time`, of a planner that looks for the best path.
-        overrides: for `Scenario.load`.
-
-    Raises:
-        PlanningError: no plan: why, and the best so far where there is something to show.
-        ValueError: an argument makes no sense.
+    Attributes:
+        configurations: of each robot at each step, (k + 1, nq).
+        way_points: of each robot's path before timing, (m, nq).
+        facts: plain values about the search.
     """
-    problem = Problem.of(scenario, margin, seed, **overrides)
-    if method is None:
-        method = "composite" if len(problem.names) == 1 else "prioritized"
-    if method not in METHODS:
-        raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
-    if not 0 < time_limit < math.inf:
-        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
-    problem.check()
-    began = time.perf_counter()
-    for extra in EXTRA:
-        left = time_limit - (time.perf_counter() - began)
-        careful = replace(problem, margin=problem.margin + extra)
-        options = {"planner": planner, "simplify": simplify, "objective": objective}
-        paths, way_points, facts = METHODS[method](careful, max(left, 0.01), options)
-        configurations = padded(paths)
-        certificate = certify(problem, configurations)
-        if certificate:
-            break
-    else:
-        raise PlanningError(
-            f"the timed paths found are not free at step {certificate.failed}: give more margin"
-        )
-    for i, q in enumerate(configurations):
-        wrong = wrong_with(problem, i, q)
-        if wrong is not None:
-            raise PlanningError(f"{problem.names[i]!r} {wrong}: what was found cannot be driven")
-    facts = json.loads(json.dumps({**facts, "seconds": time.perf_counter() - began}))
-    return Plan(
-        problem.scenario,
-        configurations,
-        tuple(way_points),
-        method,
-        planner,
-        problem.seed,
-        certificate,
-        facts,
-    )
+
+    configurations: Sequence[Floats]
+    way_points: Sequence[Floats]
+    facts: dict[str, Any]
 
 
-Found = tuple[Sequence[Floats], Sequence[Floats], dict[str, Any]]  # steps, way points, facts
-SHARE = 0.85  # of the time, for robots one by one before some are taken together
+def composite(problem: Problem, time_limit: float, options: dict[str, Any]) -> TimedPaths:
+    """Search in the joint space of all robots."""
+    route = plan_composite(problem, time_limit=time_limit, **options)
+    timed = steps_together(problem.models, route.paths, problem.dt)
+    return TimedPaths(timed, route.paths, dict(route.facts))
 
 
-def by_composite(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
-    """One search in the joint space of all robots."""
-    from fgenv.planners.multi.composite import composite
+def prioritized(problem: Problem, time_limit: float, options: dict[str, Any]) -> TimedPaths:
+    """Plan one robot after another; robots without a path are planned jointly, before the others.
 
-    route = composite(problem, time_limit=time_limit, **options)
-    return steps_together(problem.models, route.paths, problem.dt), route.paths, dict(route.facts)
-
-
-def by_prioritized(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
-    """One robot after another; those that find no way are planned together, and before the rest.
-
-    Who finds none then joins them, until all go together.
+    Robots that then have no path join the group, until it contains all robots.
     """
-    from fgenv.planners.multi.prioritized import prioritized
-    from fgenv.planners.multi.roadmap_set import Tables
-
     end = time.monotonic() + time_limit
-    together: set[int] = set()
+    group: set[int] = set()
     fixed: dict[int, Floats] = {}
-    tables = Tables(problem)
+    roadmaps = RoadmapSet(problem)
     while True:
-        left = max(end - time.monotonic(), 0.01)
+        share = PRIORITIZED_SHARE * _time_left(end)
         try:
-            found = prioritized(problem, SHARE * left, fixed=fixed, tables=tables)
+            solution = plan_prioritized(problem, share, fixed=fixed, roadmaps=roadmaps)
             break
         except PlanningError as error:
             missing = () if error.best is None else error.best.missing
             if not missing or time.monotonic() > end:
                 raise
-            together |= set(missing)
-        left = max(end - time.monotonic(), 0.01)
-        fixed = dict(zip(sorted(together), _joint(problem, together, left, options), strict=True))
-    facts = {**asdict(found.stats), "together": [problem.names[i] for i in sorted(together)]}
-    return *_timetable(found.paths), facts
+            group |= set(missing)
+        paths = _plan_jointly(problem, group, _time_left(end), options)
+        fixed = dict(zip(sorted(group), paths, strict=True))
+    together = [problem.names[i] for i in sorted(group)]
+    return _timed_paths(solution, together=together)
 
 
-def by_conflicts(problem: Problem, time_limit: float, options: dict[str, Any]) -> Found:
-    """Conflict-based search; robots that stay in each other's way are planned together."""
-    from fgenv.planners.multi.conflict_based import conflict_based
+def conflict_based(problem: Problem, time_limit: float, options: dict[str, Any]) -> TimedPaths:
+    """Conflict-based search; robots with many conflicts are planned jointly."""
 
-    def knot(group: tuple[int, ...], limit: float) -> Sequence[Floats]:
-        return _joint(problem, group, limit, options)
+    def joint_planner(group: tuple[int, ...], limit: float) -> Sequence[Floats]:
+        return _plan_jointly(problem, group, limit, options)
 
-    found = conflict_based(problem, time_limit, knot=knot)
-    return *_timetable(found.paths), asdict(found.stats)
+    return _timed_paths(plan_conflict_based(problem, time_limit, joint_planner=joint_planner))
 
 
-def _joint(
+# By name. Options are keyword arguments of `plan_composite`.
+METHODS: dict[str, Callable[[Problem, float, dict[str, Any]], TimedPaths]] = {
+    "composite": composite,
+    "prioritized": prioritized,
+    "conflict_based": conflict_based,
+}
+
+
+def _time_left(end: float) -> float:
+    return max(end - time.monotonic(), LEAST_TIME)
+
+
+def _plan_jointly(
     problem: Problem, group: Iterable[int], time_limit: float, options: dict[str, Any]
 ) -> list[Floats]:
-    """Timed paths of some robots in their joint space, as if there were no others."""
-    from fgenv.planners.multi.composite import composite
-
-    which = sorted(group)
-    world = problem.alone(*which)
-    route = composite(problem, which, time_limit=time_limit, world=world, **options)
-    return steps_together([problem.models[i] for i in which], route.paths, problem.dt)
+    """Timed paths of a group of robots in their joint space, without the other robots."""
+    robots = sorted(group)
+    world = problem.alone(*robots)
+    route = plan_composite(problem, robots, time_limit=time_limit, world=world, **options)
+    return steps_together([problem.models[i] for i in robots], route.paths, problem.dt)
 
 
-def _timetable(paths: Sequence[Floats | None]) -> tuple[list[Floats], list[Floats]]:
-    steps = [path for path in paths if path is not None]
-    return steps, [corners(path) for path in steps]
+def _timed_paths(solution: Solution, **facts: Any) -> TimedPaths:
+    paths = [path for path in solution.paths if path is not None]
+    return TimedPaths(paths, [corners(path) for path in paths], {**asdict(solution.stats), **facts})
 
 
 def corners(q: Floats) -> Floats:
-    """Of configurations at steps (k + 1, nq) those at which the motion changes, ends included."""
+    """Rows of configurations at steps (k + 1, nq) at which the velocity changes, and both ends."""
     change = np.diff(q, axis=0)
     turns = (np.abs(np.diff(change, axis=0)) > STRAIGHT).any(axis=1)
     return q[np.concatenate([[True], turns, [True]])] if len(q) > 1 else q
-
-
-METHODS: dict[str, Callable[[Problem, float, dict[str, Any]], Found]] = {
-    "composite": by_composite,
-    "prioritized": by_prioritized,
-    "conflict_based": by_conflicts,
-}

@@ -1,17 +1,17 @@
-"""Plans: timed paths of all robots with their certificate, in memory and as files.
+"""Plans: timed paths of all robots with their certificate, in memory and in files.
 
 A plan file is an archive (`fgenv.archive`) of the format "fgenv plan 1":
 
-    scenario  JSON: the scenario, defaults left out; paths of mesh files are relative to the plan,
+    scenario  JSON: the scenario without defaults; paths of mesh files are relative to the plan,
               with their SHA-256
-    about     JSON: method, planner, seed, margin (m), facts (of the search), certificate,
+    about     JSON: method, planner, seed, margin (m), facts about the search, certificate,
               urdf (SHA-256 of each model's file)
 
 and for each robot i, in the order of the scenario:
 
-    configurations_<i>  (k + 1, nq) float64: at each step of the scenario's time step, from its
-                        start to its goal; straight in between (m, rad)
-    way_points_<i>      (m, nq) float64: the path before it was timed
+    configurations_<i>  (k + 1, nq) float64: configuration at each time step from the start to the
+                        goal, straight in between (m, rad)
+    way_points_<i>      (m, nq) float64: the path before timing
 """
 
 from __future__ import annotations
@@ -28,19 +28,17 @@ from numpy.typing import ArrayLike
 
 from fgenv.archive import Archive
 from fgenv.arrays import Floats
+from fgenv.robots import Robot
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 from fgenv.scenarios.io.yaml_text import moved
-from fgenv.scenarios.validation import files
 
-from .certificate import Certificate, arrival, certify
-from .limits import wrong_with
-from .problem import Problem
+from .certificate import Certificate, arrival
 
 
 class PlanError(ValueError):
-    """A plan file that cannot be used: why, and the remedy."""
+    """The plan file cannot be used; the message gives the reason and the remedy."""
 
 
 PLAN = Archive("plan", 1, ("scenario", "about"), PlanError, "plan again")
@@ -48,15 +46,16 @@ PLAN = Archive("plan", 1, ("scenario", "about"), PlanError, "plan again")
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Timed paths of all robots of a scenario; read-only arrays.
+    """Timed paths of all robots of a scenario, as read-only arrays.
 
     Attributes:
-        scenario: whose robots go from their starts to their goals.
+        scenario: the scenario that was planned.
         configurations: of each robot at each step, (k + 1, nq); straight in between.
-        way_points: of each robot before its path was timed, (m, nq).
-        method, planner, seed: how it was found.
-        certificate: what is proved of it.
-        facts: of the search: seconds, checks and so on, plain values.
+        way_points: of each robot's path before timing, (m, nq).
+        method, planner, seed: arguments of the planning.
+        certificate: certified properties of the timed paths.
+        facts: plain values about the search, such as seconds and numbers of checks.
+        urdf: SHA-256 of each model's URDF file; empty before the plan is saved.
     """
 
     scenario: Scenario
@@ -67,7 +66,7 @@ class Plan:
     seed: int
     certificate: Certificate
     facts: dict[str, Any] = field(default_factory=dict, repr=False)
-    urdf: dict[str, str] = field(default_factory=dict, repr=False)  # hashes of files, once saved
+    urdf: dict[str, str] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("configurations", "way_points"):
@@ -83,40 +82,43 @@ class Plan:
 
     @property
     def steps(self) -> int:
-        """Of all robots, until the last has come to its goal."""
+        """Number of steps until the last robot is at its goal."""
         return len(self.configurations[0]) - 1
 
     @property
     def times(self) -> Floats:
-        """Seconds of each step's end, (k + 1,)."""
+        """Times of the configurations, (k + 1,), seconds."""
         return np.arange(self.steps + 1, dtype=np.float64) * np.float64(self.dt)
 
     @cached_property
     def arrivals(self) -> tuple[float, ...]:
-        """Seconds after which each robot is at its goal for good."""
+        """Time at which each robot arrives at its goal for good, seconds."""
         return tuple(arrival(q) * self.dt for q in self.configurations)
 
     @property
     def makespan(self) -> float:
-        """Seconds until the last robot is at its goal."""
+        """Time at which the last robot arrives at its goal, seconds."""
         return max(self.arrivals)
 
     @property
     def sum_of_costs(self) -> float:
-        """Seconds of all robots together."""
+        """Sum of the robots' arrival times, seconds."""
         return sum(self.arrivals)
 
     @cached_property
     def lengths(self) -> tuple[float, ...]:
-        """Of each robot's path: meters of a base that moves, else of `Robot.distance`."""
+        """Length of each robot's path, meters: of a moving base, else by `Robot.distance`."""
         models = self.scenario.build().robots
         return tuple(_length(m, q) for m, q in zip(models, self.configurations, strict=True))
 
     def at(self, time: ArrayLike) -> list[Floats]:
-        """Configurations (..., nq) of each robot at times (...) in seconds; at rest outside."""
+        """Configurations (..., nq) of each robot at times (...) in seconds.
+
+        Before the start and after the end robots are at rest.
+        """
         when = np.asarray(time, dtype=np.float64)
         if np.isnan(when).any():
-            raise ValueError("time: NaN, expected seconds")
+            raise ValueError("time: got NaN, expected seconds")
         step = np.clip(when / self.dt, 0.0, self.steps)
         k = np.minimum(step.astype(int), max(self.steps - 1, 0))
         after = np.minimum(k + 1, self.steps)
@@ -128,7 +130,7 @@ class Plan:
 
     @property
     def texts(self) -> dict[str, str]:
-        """Scenario and what is said about the plan, as they are stored."""
+        """Texts of the plan file: the scenario, and the attributes as JSON."""
         about = {
             "method": self.method,
             "planner": self.planner,
@@ -137,12 +139,12 @@ class Plan:
             "certificate": asdict(self.certificate),
             "urdf": self.urdf,
         }
-        said = json.dumps(about, sort_keys=True, separators=(",", ":"))
-        return {"scenario": text_of(self.scenario), "about": said}
+        text = json.dumps(about, sort_keys=True, separators=(",", ":"))
+        return {"scenario": text_of(self.scenario), "about": text}
 
     @property
     def arrays(self) -> dict[str, Floats]:
-        """By the names they are stored under."""
+        """Arrays of the plan file, by name."""
         return {
             f"{name}_{i}": array
             for name in ("configurations", "way_points")
@@ -151,15 +153,15 @@ class Plan:
 
     @property
     def id(self) -> str:
-        """Hash of all that is in it, 64 hexadecimal digits."""
+        """Hash of the contents, 64 hexadecimal digits."""
         return PLAN.id(self.texts, self.arrays)
 
     def save(self, path: str | Path) -> None:
-        """Write a compressed .npz file; one that is there is replaced in one go.
+        """Write a compressed .npz file; an existing file is replaced atomically.
 
         Raises:
-            ValueError: its name does not end in .npz.
-            OSError: it cannot be written.
+            ValueError: the name does not end in .npz.
+            OSError: the file cannot be written.
         """
         folder = Path(path).parent
         scenario = with_hashes(moved(self.scenario, folder).at(folder))
@@ -168,60 +170,30 @@ class Plan:
 
     @classmethod
     def load(cls, path: str | Path) -> Plan:
-        """Read a file; `verify` proves what it claims.
+        """Read a plan file; use `verify` to check its certificate.
 
         Raises:
-            PlanError: no plan, damaged, or of another version.
-            FileNotFoundError: no such file.
+            PlanError: the file is damaged, no plan, or of another version.
+            FileNotFoundError: the file does not exist.
         """
 
         def read(texts: dict[str, str], arrays: dict[str, Floats]) -> Plan:
             scenario = Scenario.model_validate(json.loads(texts["scenario"]))
             about, n = json.loads(texts["about"]), range(len(scenario.robots))
-            proof = about.pop("certificate")
-            proof["nearest"] = proof["nearest"] and tuple(proof["nearest"])
+            certificate = about.pop("certificate")
+            certificate["nearest"] = certificate["nearest"] and tuple(certificate["nearest"])
             return cls(
                 scenario.at(Path(path).parent),
                 tuple(arrays[f"configurations_{i}"] for i in n),
                 tuple(arrays[f"way_points_{i}"] for i in n),
-                certificate=Certificate(**proof),
+                certificate=Certificate(**certificate),
                 **about,
             )
 
         return PLAN.load(path, read)
 
 
-def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
-    """Prove a plan again, from nothing but the file: the scenario is built anew.
-
-    Starts and goals, limits of configurations, speeds and accelerations are looked at too.
-
-    Args:
-        plan: or its file.
-        margin: meters; what the plan claims if left out.
-
-    Raises:
-        PlanError: it does not fit its scenario: ends, limits, shapes, other mesh files.
-    """
-    if not isinstance(plan, Plan):
-        plan = Plan.load(plan)
-    for found in files(plan.scenario):
-        raise PlanError(f"plan: {found.problem}")
-    changed = {m for m, h in urdf_hashes(plan.scenario).items() if h != plan.urdf.get(m)}
-    if plan.urdf and changed:
-        raise PlanError(f"plan: the URDF of {changed.pop()!r} is another than it was made with")
-    problem = Problem.of(plan.scenario, plan.certificate.margin if margin is None else margin)
-    steps = {len(q) if q.ndim else 0 for q in plan.configurations}
-    if len(plan.configurations) != len(problem.models) or len(steps) != 1 or 0 in steps:
-        raise PlanError("plan: not one configuration for each robot and step; plan again")
-    for i, q in enumerate(plan.configurations):
-        wrong = wrong_with(problem, i, q)
-        if wrong:
-            raise PlanError(f"plan: {problem.names[i]!r} {wrong}; plan again")
-    return certify(problem, plan.configurations)
-
-
-def _length(model: Any, q: Floats) -> float:
+def _length(model: Robot, q: Floats) -> float:
     if model.base == "fixed":
         return float(np.sum(model.distance(q[:-1], q[1:])))
     place = q[:, : 3 if model.base == "free" else 2]
@@ -229,6 +201,6 @@ def _length(model: Any, q: Floats) -> float:
 
 
 def padded(paths: Sequence[Floats]) -> tuple[Floats, ...]:
-    """Timed paths made equally long: who is there first rests."""
-    most = max(len(q) for q in paths)
-    return tuple(np.concatenate([q, np.repeat(q[-1:], most - len(q), axis=0)]) for q in paths)
+    """Timed paths extended to equal lengths; robots rest at their last configurations."""
+    count = max(len(q) for q in paths)
+    return tuple(np.concatenate([q, np.repeat(q[-1:], count - len(q), axis=0)]) for q in paths)

@@ -1,8 +1,7 @@
-"""A scenario as a planner takes it."""
+"""Planning problem of a scenario."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,26 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.collision import World
-from fgenv.collision.world import TOLERANCE
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, Scenario
 from fgenv.scenarios.library import ENTRIES
 
+from .checker import joint_checker
 from .errors import PlanningError
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Robots that have to get from their starts to their goals.
+    """Robots that move from their starts to their goals.
 
     Attributes:
-        built: of the scenario.
-        world: of all bodies, the robots at their starts.
-        margin: meters that robots keep from everything, and from each other.
-        seed: of all that is random.
+        built: the built scenario.
+        world: all bodies, with the robots at their starts.
+        margin: meters that robots keep from all bodies and from each other.
+        seed: of all random numbers.
     """
 
     built: Built
@@ -45,17 +43,17 @@ class Problem:
         seed: int = 0,
         **overrides: Any,
     ) -> Problem:
-        """From a scenario, its name or its file; a Problem is what it is.
+        """Return the problem of a scenario, its name or its file; a Problem is returned as it is.
 
         Args:
-            seed: of a built-in scenario too, if that is given by its name.
+            margin: meters.
+            seed: also of a built-in scenario that is given by its name.
             overrides: for `Scenario.load`.
         """
         if isinstance(scenario, Problem):
             if overrides or margin not in (0.0, scenario.margin) or seed not in (0, scenario.seed):
                 raise ValueError(
-                    "margin, seed, overrides: a Problem has its own, expected Problem.of(scenario,"
-                    " margin, seed)"
+                    "margin, seed, overrides: a Problem has its own; use Problem.of(scenario, ...)"
                 )
             return scenario
         if not np.isfinite(margin) or margin < 0:
@@ -67,58 +65,56 @@ class Problem:
         if not isinstance(scenario, Scenario):
             scenario = Scenario.load(scenario, **overrides)
         if not scenario.robots:
-            raise ValueError(f"scenario: {scenario.name!r} has no robots, expected one at least")
+            raise ValueError(f"scenario: {scenario.name!r} has no robots, expected one or more")
         built = scenario.build()
         return cls(built, built.world(), float(margin), int(seed))
 
     @property
     def scenario(self) -> Scenario:
-        """Where it comes from."""
+        """The scenario of the problem."""
         return self.built.scenario
 
     @property
     def models(self) -> tuple[Robot, ...]:
-        """The robots' models."""
+        """Models of the robots."""
         return self.built.robots
 
     @property
     def starts(self) -> tuple[Floats, ...]:
-        """Configurations, (nq,) each."""
+        """Start configurations, (nq,) each."""
         return self.built.starts
 
     @property
     def goals(self) -> tuple[Floats, ...]:
-        """Configurations, (nq,) each."""
+        """Goal configurations, (nq,) each."""
         return self.built.goals
 
     @property
     def dt(self) -> float:
-        """Seconds of a step."""
+        """Time step, seconds."""
         return self.scenario.time_step
 
     @property
     def vanish(self) -> bool:
-        """Whether a robot at its goal is gone, rather than an obstacle."""
+        """Whether robots vanish at their goals; else they stay there as obstacles."""
         return self.scenario.at_goal == "vanish"
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the robots."""
+        """Names of the robots."""
         return tuple(groups[0] for groups in self.built.groups)
 
     @cached_property
     def robots(self) -> tuple[int, ...]:
-        """Ids in `world`."""
-        names = dict(zip(self.world.names, self.world.ids.tolist(), strict=True))
-        return tuple(self._id(names, i) for i in range(len(self.names)))
-
-    def _id(self, names: dict[str, int], i: int) -> int:
-        name = self.names[i]
-        return names[name] if name in names else int(self.world.parts(name)[0])
+        """Ids of the robots in `world`."""
+        ids = dict(zip(self.world.names, self.world.ids.tolist(), strict=True))
+        return tuple(
+            ids[name] if name in ids else int(self.world.parts(name)[0]) for name in self.names
+        )
 
     @cached_property
     def kinds(self) -> tuple[int, ...]:
-        """Equal for robots that can be taken for each other: they share roadmaps."""
+        """Kind of each robot; interchangeable robots have the same kind and share a roadmap."""
         known: dict[Any, int] = {}
         named = {name for pair in self.scenario.allowed for name in pair}
         keys = [
@@ -127,18 +123,18 @@ class Problem:
         ]
         return tuple(known.setdefault(key, len(known)) for key in keys)
 
-    def alone(self, *which: int) -> World:
-        """A world of the bodies that stand and these robots."""
+    def alone(self, *robots: int) -> World:
+        """World with the static bodies and some of the robots, at their starts."""
         world = self.built.world(robots=False)
-        for i in which:
+        for i in robots:
             self.built.add_robot(world, i, self.starts[i])
         return world
 
     def index(self, robot: int | str) -> int:
-        """Place of a robot, by its name or place.
+        """Place of a robot that is given by its name or place.
 
         Raises:
-            ValueError: there is none.
+            ValueError: no such robot.
         """
         if isinstance(robot, str):
             if robot not in self.names:
@@ -148,42 +144,52 @@ class Problem:
             raise ValueError(f"robot: got {robot}, expected 0 to {len(self.names) - 1}, or a name")
         return int(robot)
 
-    def check(self, which: Sequence[int] | None = None) -> None:
-        """PlanningError where starts, or goals, collide: says who with whom.
+    def check(self) -> None:
+        """Check that no robot collides at its start or goal; robots that vanish may share goals.
 
-        Robots that vanish at their goals may share them.
+        Raises:
+            PlanningError: a robot collides; the message names the bodies.
         """
-        which = range(len(self.names)) if which is None else which
         for label, ends in (("start", self.starts), ("goal", self.goals)):
             world = self.world.copy()
-            for i, q in zip(self.robots, ends, strict=True):
-                world.set_configuration(i, q)
-            for i in which:
-                alone = self.vanish and label == "goal"
-                seen = self.alone(i) if alone else world
-                if alone:
-                    seen.set_configuration(self.names[i], ends[i])
-                self.check_there(seen, i, label)
+            for robot, q in zip(self.robots, ends, strict=True):
+                world.set_configuration(robot, q)
+            for i, name in enumerate(self.names):
+                if self.vanish and label == "goal":
+                    world = self.alone(i)
+                    world.set_configuration(name, ends[i])
+                self.check_robot(world, i, label)
 
-    def check_there(self, world: World, i: int, label: str) -> None:
-        """PlanningError where robot i collides as it stands in a world: at its start or goal.
+    def check_robot(self, world: World, i: int, label: str) -> None:
+        """Check that robot i does not collide at its configuration in a world.
 
-        Its own links may only not touch, whatever the margin.
+        The margin does not apply between links of one robot.
+
+        Args:
+            label: `start` or `goal`, for the message.
+
+        Raises:
+            PlanningError: it collides.
         """
-        name, size = [self.names[i]], [self.models[i].nq]
-        one = _core.Checker(
-            world._core, name, size, [0], [1.0], [True], self.margin, TOLERANCE, 0.0
-        )
-        if not one.valid(world.configuration(self.names[i])):
-            raise PlanningError(self._conflict(world, i, label))
+        checker = joint_checker(world, [self.names[i]], [self.models[i].nq], self.margin)
+        if not checker.valid(world.configuration(self.names[i])):
+            near = f", or is closer than the margin of {self.margin:g} m" if self.margin else ""
+            raise PlanningError(
+                f"{label} of {self.names[i]!r}: collides with {self._in_contact(world, i)}{near};"
+                f" move it, or the {label}"
+            )
 
-    def _conflict(self, world: World, i: int, label: str) -> str:
-        own = set(world.parts(self.names[i]).tolist())
+    def _in_contact(self, world: World, i: int) -> str:
+        """Names of the bodies that robot i collides with."""
+        links = set(world.parts(self.names[i]).tolist())
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
-        pairs = world.contacts(margin=self.margin).tolist()
-        met = [b if a in own else a for a, b in pairs if a in own or b in own]
-        inside = [1 for a, b in world.contacts().tolist() if a in own and b in own]
-        others = sorted({names[b].split("/")[0] for b in met if b not in own})
-        told = " and ".join(others or (["itself"] if inside else ["something"]))
-        near = f", or is closer than the margin of {self.margin:g} m" if self.margin else ""
-        return f"{label} of {self.names[i]!r}: collides with {told}{near}; move it, or the {label}"
+        touching = [
+            b if a in links else a
+            for a, b in world.contacts(margin=self.margin).tolist()
+            if a in links or b in links
+        ]
+        bodies = sorted({names[body].split("/")[0] for body in touching if body not in links})
+        if bodies:
+            return " and ".join(bodies)
+        inside = any(a in links and b in links for a, b in world.contacts().tolist())
+        return "itself" if inside else "something"

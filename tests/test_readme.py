@@ -73,7 +73,7 @@ def test_planning_is_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     names: dict[str, Any] = {}
     exec(block("planning"), names)
     assert names["proof"].proved
-    assert names["proof"].least > 0.001
+    assert names["proof"].clearance > 0.001
     assert names["again"] == names["proof"]
     assert len(names["ways"]) == 4
     assert names["off"] < 1e-9

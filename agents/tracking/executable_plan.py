@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fgenv.agents.tracking.waypoint_tracking import way_points as led
 from fgenv.arrays import Floats
 from fgenv.planners import Plan, PlanningError, Problem, certify
-from fgenv.planners.methods import plan as plan_all
+from fgenv.planners.planning import plan as plan_all
 from fgenv.robots import Car, MobileManipulator, Robot
 from fgenv.robots.inverse_drive import changes
 from fgenv.scenarios import Scenario

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.collision import World
-from fgenv.collision.world import TOLERANCE
+from fgenv.planners.checker import joint_checker
 from fgenv.robots import Robot
 
 
@@ -23,18 +22,8 @@ def free_steps(
         rows: configurations (m + 1, nq) of each of them.
     """
     joint = np.concatenate(rows, axis=1)
-    n = len(names)
-    checker = _core.Checker(
-        world._core,
-        [robot_id(world, name) for name in names],
-        [model.nq for model in models],
-        [0] * n,
-        [1.0] * n,
-        [True] * n,
-        0.0,
-        TOLERANCE,
-        0.0,
-    )
+    ids = [robot_id(world, name) for name in names]
+    checker = joint_checker(world, ids, [model.nq for model in models])
     return np.asarray(checker.free(joint[:-1], joint[1:]))
 
 

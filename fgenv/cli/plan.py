@@ -107,7 +107,7 @@ def plan(
     Interrupted by Ctrl-C, the best by then is told and kept, if there is one.
     """
     from fgenv.planners import PlanningError
-    from fgenv.planners.methods import plan as plan_all
+    from fgenv.planners.planning import plan as plan_all
 
     if out is not None and (out.suffix != ".npz" or not out.parent.is_dir()):
         folder = f"; there is no folder {out.parent}, make it first"
@@ -223,7 +223,7 @@ def checks(plan: Plan) -> str:
 def told(certificate: Any, dt: float) -> str:
     """A certificate in words."""
     if not certificate:
-        step = certificate.failed
+        step = certificate.failed_step
         return f"not proved: step {step} (at {step * dt:.1f} s) is not free"
     kept = f" with {certificate.margin:g} m to spare" if certificate.margin else ""
     text = f"proved free{kept}: {certificate.steps} steps"
@@ -231,7 +231,7 @@ def told(certificate: Any, dt: float) -> str:
         return f"{text}, nobody is near anything"
     step, robot, other = certificate.nearest
     return (
-        f"{text}, nobody comes nearer than {certificate.least:.4f} m"
+        f"{text}, nobody comes nearer than {certificate.clearance:.4f} m"
         f" (nearest at {step * dt:.1f} s: {robot} to {other})"
     )
 
@@ -263,5 +263,5 @@ def claims(certificate: Any) -> dict[str, Any]:
     from math import isfinite
 
     found = asdict(certificate)
-    found["least"] = found["least"] if isfinite(found["least"]) else None
+    found["clearance"] = found["clearance"] if isfinite(found["clearance"]) else None
     return found

@@ -33,7 +33,7 @@ def verify(
     is no plan, damaged, or does not fit its own scenario.
     """
     from fgenv.planners.plan import Plan
-    from fgenv.planners.plan import verify as prove
+    from fgenv.planners.verification import verify as prove
 
     plan = Plan.load(file)
     found = prove(plan, margin)
@@ -52,7 +52,7 @@ def met(plan: Plan, certificate: Certificate) -> str:
     """Who meets whom in the step that is not proved, or ''."""
     from fgenv.planners import Problem
 
-    step = certificate.failed or 0
+    step = certificate.failed_step or 0
     problem = Problem.of(plan.scenario, certificate.margin)
     names, margin, last = problem.names, certificate.margin, min(step + 1, plan.steps)
     ways = [(q[step], q[last]) for q in plan.configurations]

@@ -64,7 +64,7 @@ def _plan_data(replan: Replan) -> dict[str, Any]:
         "checks": plan.checks,
         "proved_free": plan.certificate.proved,
         "edges": len(plan.path) - 1,
-        "least_clearance": plan.certificate.least,
+        "least_clearance": plan.certificate.clearance,
     }
 
 
@@ -179,7 +179,7 @@ class Report:
             f"{replan.back_off:.2f} m back the way it came, then around by OMPL's RRTConnect"
         )
         self._more(f"({plan.checks} states checked in {plan.seconds:.2f} s)")
-        least = plan.certificate.least * 1e3
+        least = plan.certificate.clearance * 1e3
         self._more(f"proved free edge by edge ({edges}), at least {least:.1f} mm")
         self._more(f"from all bodies, the nearest place about {_pose(plan.nearest)}")
 

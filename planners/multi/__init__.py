@@ -1,1 +1,1 @@
-"""Planning methods for many robots."""
+"""Multi-robot planning: composite, prioritized, conflict-based."""

@@ -1,10 +1,11 @@
-"""One search by a planner of OMPL in the joint space of one robot or several: `composite`."""
+"""Composite planning: one OMPL search in the joint space of one or more robots."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,52 +19,52 @@ from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.ompl.objectives import objective_of
-from fgenv.planners.ompl.plugin import Setup, setup
+from fgenv.planners.ompl.setup import Setup, setup
+from fgenv.planners.ompl.simplify import simplified, steered
 from fgenv.planners.problem import Problem
-from fgenv.planners.steering import legs
+from fgenv.scenarios.errors import near
 
 PLANNERS = (
     "RRT", "RRTConnect", "RRTstar", "InformedRRTstar", "SORRTstar", "AORRTC", "BITstar",
     "PRM", "PRMstar", "FMT", "BFMT", "KPIECE1", "BKPIECE1", "LBKPIECE1",
 )  # fmt: skip
-ROUNDS = 4  # of shortening
 
 
 @dataclass(frozen=True)
-class Route:
-    """Way points of robots that go together: all are at way point k at once.
+class JointPath:
+    """Way points of robots in their joint space: all robots are at way point k at the same time.
 
     Attributes:
-        which: places of the robots in the problem.
-        paths: (m, nq) each; straight from one to the next.
-        facts: `seconds` in all, `found_after` so many; `search`, CPU seconds in OMPL; states,
-            motions and pairs of bodies checked (those that masks left); way points found before
-            shortening; size of the planner's graph.
-        graph: what the planner has grown, if it was asked for.
+        robots: places of the robots in the problem.
+        paths: (m, nq) of each robot; straight between way points.
+        facts: `seconds` in total, `found_after` (s), `search` (CPU seconds of OMPL), numbers of
+            checked states, motions and pairs of bodies (after masks), way points before
+            simplification, vertices and edges of the planner's graph.
+        graph: the planner's graph, if requested.
     """
 
-    which: tuple[int, ...]
+    robots: tuple[int, ...]
     paths: tuple[Floats, ...]
     facts: dict[str, Any] = field(default_factory=dict)
-    graph: Graph | None = None
+    graph: PlannerGraph | None = None
 
 
 @dataclass(frozen=True)
-class Graph:
-    """What a planner has grown.
+class PlannerGraph:
+    """Tree or roadmap that a planner has built.
 
     Attributes:
-        states: joint states, (n, size); `Setup.configurations` parts them by robots.
-        edges: (m, 2), places in `states`, from and to.
+        states: joint states, (n, size); `Setup.configurations` splits them by robot.
+        edges: (m, 2), states from and to.
     """
 
     states: Floats
     edges: NDArray[np.int64]
 
 
-def composite(
+def plan_composite(
     problem: Problem,
-    which: Sequence[int] | None = None,
+    robots: Sequence[int] | None = None,
     *,
     planner: str = "RRTConnect",
     time_limit: float = 10.0,
@@ -73,170 +74,125 @@ def composite(
     steering: str | None = None,
     world: World | None = None,
     graph: bool = False,
-) -> Route:
-    """Plan robots in their joint space, the others standing at their starts.
+) -> JointPath:
+    """Plan robots in their joint space; the other robots stand at their starts.
 
     Args:
-        which: places of the robots; all if left out.
-        planner: of `PLANNERS`.
-        time_limit: seconds of the search; a planner that looks for the best path takes it all.
-            Shortening comes on top.
-        objective: `length`, `clearance` or `time`; None: the planner's own.
-        motions: at most so many checks of motions, 0 for any number.
-        world: to plan in; a copy of the problem's if left out.
-        graph: keep what the planner has grown.
+        robots: places of the robots in the problem; all by default.
+        planner: one of `PLANNERS`.
+        time_limit: seconds of the search; optimizing planners use all of it. Simplification takes
+            additional time.
+        simplify: shorten the path.
+        objective: `length`, `clearance` or `time`; the planner's own by default.
+        motions: maximum number of checked motions; 0: unlimited.
+        steering: see `MotionValidator`.
+        world: world to plan in; a copy of the problem's by default.
+        graph: return the planner's graph.
 
     Raises:
-        PlanningError: no path in time; start or goal in collision.
-        ValueError: planner or objective not known.
+        PlanningError: no path within the time limit; start or goal in collision.
+        ValueError: unknown planner or objective.
     """
-    if planner not in PLANNERS:
-        from fgenv.scenarios.errors import near
-
-        raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
-    if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
-        raise ValueError(
-            f"objective: {objective!r} blocks {planner}, whose second thread asks for it;"
-            " expected 'length', or another planner"
-        )
-    if not 0 < time_limit < math.inf:
-        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
-    which = tuple(range(len(problem.names)) if which is None else which)
+    _check_arguments(planner, objective, time_limit)
+    robots = tuple(range(len(problem.names)) if robots is None else robots)
     began = time.perf_counter()
-    level = ou.getLogLevel()
-    ou.setLogLevel(ou.LOG_NONE)
-    try:
-        ou.RNG.setSeed(problem.seed % (2**31 - 2) + 1)  # OMPL ignores a seed of 0
-        made = setup(problem, which, steering=steering, world=world)
-        search = time.process_time()
+    with _seeded(problem.seed):
+        made = setup(problem, robots, steering=steering, world=world)
+        cpu = time.process_time()
         states = _search(made, planner, objective, time_limit, motions)
-        search = time.process_time() - search
+        cpu = time.process_time() - cpu
         found_after = time.perf_counter() - began
         if states is None:
-            names = ", ".join(problem.names[i] for i in which)
+            names = ", ".join(problem.names[i] for i in robots)
             raise PlanningError(
                 f"no path for {names} within {found_after:.3g} s by {planner}"
-                f" ({made.motions.checks} motions checked): give more time, another planner or seed"
+                f" ({made.motions.checks} motions checked): allow more time, or use another planner"
+                " or seed"
             )
-        raw = len(states)
+        count = len(states)
         if simplify:
-            states = shortened(made, states)
-    finally:
-        ou.setLogLevel(level)
-    data = ob.PlannerData(made.getSpaceInformation())
-    if graph or planner != "BITstar":  # asked for it, OMPL 2.0.1's never lets go of the problem
-        made.getPlannerData(data)
-        data.decoupleFromPlanner()  # its states die with the planner
+            states = simplified(made, states)
+    data = _planner_data(made, graph or planner != "BITstar")  # OMPL 2.0.1: BITstar's data leaks
     facts = {
         "planner": planner,
         "seconds": time.perf_counter() - began,
         "found_after": found_after,
-        "search": search,
+        "search": cpu,
         "states_checked": made.validity.checks,
         "motions_checked": made.motions.checks,
         "pairs_checked": made.world._core.tests(),
-        "way_points_found": raw,
+        "way_points_found": count,
         "vertices": data.numVertices(),
         "edges": data.numEdges(),
     }
-    return Route(which, passed(made, states), facts, _graph(made, data) if graph else None)
+    return JointPath(robots, steered(made, states), facts, _graph(made, data) if graph else None)
+
+
+def _check_arguments(planner: str, objective: str | None, time_limit: float) -> None:
+    if planner not in PLANNERS:
+        raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
+    if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
+        raise ValueError(
+            f"objective: {objective!r} deadlocks {planner}, whose second thread computes costs;"
+            " expected 'length', or another planner"
+        )
+    if not 0 < time_limit < math.inf:
+        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
+
+
+@contextmanager
+def _seeded(seed: int) -> Iterator[None]:
+    """Seed OMPL's random numbers, and silence its log."""
+    level = ou.getLogLevel()
+    ou.setLogLevel(ou.LOG_NONE)
+    try:
+        ou.RNG.setSeed(seed % (2**31 - 2) + 1)  # OMPL ignores a seed of 0
+        yield
+    finally:
+        ou.setLogLevel(level)
 
 
 def _search(
     made: Setup, planner: str, objective: str | None, time_limit: float, motions: int
 ) -> Floats | None:
-    """The solution's states, or None; interrupted, the best so far if there is one."""
-    si = made.getSpaceInformation()
+    """States of the solution, or None; after an interrupt, the best solution so far if any."""
     if objective is not None:
         made.setOptimizationObjective(objective_of(objective, made))
-    if planner in ("KPIECE1", "BKPIECE1", "LBKPIECE1"):
-        _project(made.getStateSpace())
-    made.setPlanner(getattr(og, planner)(si))
+    space = made.getStateSpace()
+    if "KPIECE" in planner and not space.hasDefaultProjection():  # compound spaces have none
+        space.registerDefaultProjection(ob.SubspaceProjectionEvaluator(space, 0))
+    made.setPlanner(getattr(og, planner)(made.getSpaceInformation()))
     try:
         made.solve(time_limit, motions)
     except KeyboardInterrupt:
         if not made.haveExactSolutionPath():
             raise
-    except RuntimeError as error:  # some do not plan in compound spaces
+    except RuntimeError as error:  # some planners do not support compound spaces
         raise PlanningError(
-            f"{planner} does not plan here: {error}; take another planner"
+            f"{planner} does not support this problem: {error}; use another planner"
         ) from None
     if not made.haveExactSolutionPath():
         return None
-    states = made.path()
+    states = made.states_of(made.getSolutionPath())
     ends = np.stack([made.states(made.problem.starts), made.states(made.problem.goals)])
     if np.allclose(states[[0, -1]], ends, atol=1e-9):
         return states
-    # AORRTC of OMPL 2.0.1 gives goal and goal where nothing is in the way.
+    # AORRTC of OMPL 2.0.1 returns the goal twice where the straight motion is free.
     return ends if made.motions._core.free(*ends) else None
 
 
-def _project(space: Any) -> None:
-    """Compound spaces have no projection of their own."""
-    if not space.hasDefaultProjection():
-        space.registerDefaultProjection(ob.SubspaceProjectionEvaluator(space, 0))
+def _planner_data(made: Setup, filled: bool) -> Any:
+    data = ob.PlannerData(made.getSpaceInformation())
+    if filled:
+        made.getPlannerData(data)
+        data.decoupleFromPlanner()  # the planner would free its states
+    return data
 
 
-def _graph(made: Setup, data: Any) -> Graph:
-    count = range(data.numVertices())
-    states = np.array([made.buffer.read(data.getVertex(k).getState()) for k in count])
-    edges = [(k, int(to)) for k in count for to in data.getEdges(k)]
-    return Graph(
+def _graph(made: Setup, data: Any) -> PlannerGraph:
+    vertices = range(data.numVertices())
+    states = np.array([made.buffer.read(data.getVertex(k).getState()) for k in vertices])
+    edges = [(k, int(to)) for k in vertices for to in data.getEdges(k)]
+    return PlannerGraph(
         states.reshape(-1, made.buffer.size), np.array(edges, dtype=np.int64).reshape(-1, 2)
     )
-
-
-def shortened(made: Setup, states: Floats) -> Floats:
-    """A shorter path, whose edges are free again; by counted steps, since OMPL's own goes by time.
-
-    Where robots turn or steer, only way points are left out: between two of them OMPL would cut
-    where they do not go.
-    """
-    si = made.getSpaceInformation()
-    simplifier = og.PathSimplifier(si)
-    path = _path(made, states)
-    straight = all(layout.steering.way == "straight" for layout in made.layouts)
-    for _ in range(ROUNDS):
-        if straight:
-            simplifier.ropeShortcutPath(path)
-        simplifier.reduceVertices(path)
-        if straight:
-            simplifier.partialShortcutPath(path)
-    simplifier.reduceVertices(path)
-    if made.motions.error is not None:
-        raise made.motions.error
-    count = path.getStateCount()
-    shorter = np.array([made.buffer.read(path.getState(k)) for k in range(count)])
-    return shorter if made.motions._core.free(shorter[:-1], shorter[1:]).all() else states
-
-
-def _path(made: Setup, states: Floats) -> Any:
-    si = made.getSpaceInformation()
-    path = og.PathGeometric(si)
-    for row in states:
-        path.append(made.buffer.write(si.allocState(), row))
-    return path
-
-
-def passed(made: Setup, states: Floats) -> tuple[Floats, ...]:
-    """What each robot passes along joint states, (m, nq) each, the legs of its steering among it.
-
-    Robots with different numbers of legs take equal times for each of theirs.
-    """
-    rows = made.configurations(states)
-    first = [made.problem.starts[i] for i in made.which]
-    last = [made.problem.goals[i] for i in made.which]
-    for path, start, goal in zip(rows, first, last, strict=True):
-        path[0], path[-1] = start, goal
-    out: list[list[Floats]] = [[path[:1]] for path in rows]
-    for k in range(len(states) - 1):
-        edges = [
-            legs(layout.robot, path[k], path[k + 1], layout.steering.way)
-            for layout, path in zip(made.layouts, rows, strict=True)
-        ]
-        ends = np.unique(np.concatenate([np.arange(1, len(e)) / (len(e) - 1) for e in edges]))
-        for layout, edge, passes in zip(made.layouts, edges, out, strict=True):
-            at = ends * (len(edge) - 1)
-            leg = np.minimum(at.astype(int), len(edge) - 2)
-            passes.append(layout.robot.interpolate(edge[leg], edge[leg + 1], at - leg))
-    return tuple(np.concatenate(passes) for passes in out)

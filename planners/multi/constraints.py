@@ -1,8 +1,9 @@
-"""What a robot must not do: constraints of conflict-based search, laid over safe intervals.
+"""Constraints of conflict-based search, applied to safe intervals.
 
-As in A. Andreychuk et al., "Multi-agent pathfinding with continuous time", 2019: a move must not
-begin within a range of instants, and a step must not be waited at a vertex. Of a goal also: it must
-not be reached, to stay, before an instant (J. Li et al., "Pairwise symmetry reasoning", 2021).
+As in A. Andreychuk et al., "Multi-agent pathfinding with continuous time", IJCAI 2019: a robot must
+not start an edge in an interval of instants, or must not wait at a vertex in an interval of steps.
+A goal constraint bounds the arrival at the goal (J. Li et al., "Pairwise symmetry reasoning for
+multi-agent path finding search", 2021).
 """
 
 from __future__ import annotations
@@ -10,76 +11,67 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fgenv.planners.sipp.safe_intervals import Range
-from fgenv.planners.sipp.sipp import Safe
+from fgenv.planners.sipp.intervals import Interval, SafeIntervals, without_steps
 
 
 @dataclass(frozen=True)
-class Ban:
-    """Of one robot: move or vertex `what`, in a range of instants (a move) or steps (a wait).
+class Constraint:
+    """Constraint on one robot.
 
-    A `stay` at the goal must begin after the range's first step.
+    Attributes:
+        kind: `edge`: the robot must not start edge `target` in the interval of instants;
+            `vertex`: it must not wait at vertex `target` in the interval of steps;
+            `goal`: it must arrive at its goal, to stay, after the interval's first step.
     """
 
     robot: int
-    act: str  # move, wait, stay
-    what: int
-    range: Range
+    kind: str
+    target: int
+    interval: Interval
 
 
-class Banned:
-    """Safe intervals without what is banned of one robot."""
+class ConstrainedIntervals:
+    """Safe intervals of one robot, reduced by its constraints.
 
-    def __init__(self, safe: Safe, bans: Iterable[Ban]) -> None:
-        self._safe = safe
-        self._moves: dict[int, list[Range]] = {}
-        self._at: dict[int, list[Range]] = {}
-        self._waits: dict[int, list[Range]] = {}
-        self.release = -1
-        for ban in bans:
-            if ban.act == "stay":
-                self.release = max(self.release, ban.range[0])
+    Attributes:
+        earliest: instant from which the robot may arrive at its goal for good.
+    """
+
+    def __init__(self, intervals: SafeIntervals, constraints: Iterable[Constraint]) -> None:
+        self._intervals = intervals
+        self._on_edge: dict[int, list[Interval]] = {}
+        self._on_vertex: dict[int, list[Interval]] = {}
+        self._at_vertex: dict[int, list[Interval]] = {}
+        self.earliest = 0
+        for constraint in constraints:
+            if constraint.kind == "goal":
+                self.earliest = max(self.earliest, constraint.interval[0] + 1)
             else:
-                kept = self._moves if ban.act == "move" else self._at
-                kept.setdefault(ban.what, []).append(ban.range)
-        for ranges in self._moves.values():
-            ranges.sort()
+                kept = self._on_edge if constraint.kind == "edge" else self._on_vertex
+                kept.setdefault(constraint.target, []).append(constraint.interval)
 
-    def waits(self, v: int) -> list[Range]:
-        """As `Traffic.waits`."""
-        if v not in self._at:
-            return self._safe.waits(v)
-        if v not in self._waits:
-            ranges = self._safe.waits(v)
-            for ban in self._at[v]:
-                ranges = [part for r in ranges for part in _cut(r, ban)]
-            self._waits[v] = ranges
-        return self._waits[v]
+    def at_vertex(self, v: int) -> list[Interval]:
+        """See `SafeIntervals.at_vertex`."""
+        if v not in self._on_vertex:
+            return self._intervals.at_vertex(v)
+        if v not in self._at_vertex:
+            left = self._intervals.at_vertex(v)
+            for steps in self._on_vertex[v]:
+                left = [part for interval in left for part in without_steps(interval, steps)]
+            self._at_vertex[v] = left
+        return self._at_vertex[v]
 
-    def first(self, e: int, low: int, high: int) -> int:
-        """As `Traffic.first`."""
-        banned = self._moves.get(e, ())
+    def first_start(self, e: int, low: int, high: int) -> int:
+        """See `SafeIntervals.first_start`."""
+        forbidden = self._on_edge.get(e, ())
         while low <= high:
-            low = self._safe.first(e, low, high)
+            low = self._intervals.first_start(e, low, high)
             if low < 0:
                 return -1
-            after = max((b + 1 for a, b in banned if a <= low <= b), default=low)
+            after = max(
+                (last + 1 for first, last in forbidden if first <= low <= last), default=low
+            )
             if after == low:
                 return low
             low = after
         return -1
-
-
-def _cut(whole: Range, steps: Range) -> list[Range]:
-    """Parts of an interval of instants where some steps must not be waited; a, b: step a to b.
-
-    The instants between two such steps stay, each for itself, unless there is no end of them.
-    """
-    (low, high), (a, b) = whole, steps
-    if a >= high or b < low:
-        return [whole]
-    parts = [(low, a)] if a >= low else []
-    if b < high:
-        parts += [(t, t) for t in range(max(a + 1, low), b + 1)]
-        parts.append((max(b + 1, low), high))
-    return parts

@@ -1,7 +1,8 @@
-"""One robot after another, each among the tracks of those before; who finds no way rips others up.
+"""Planning in a priority order: each robot among the paths of the robots before it.
 
-Who rips another's track up goes before him from then on, as in H. Ma et al., "Searching with
-consistent prioritization for multi-agent path finding", 2019, but without going back on it.
+A robot without a path replaces the paths of robots that conflict with it (rip-up and reroute), and
+has priority over them from then on, as in H. Ma et al., "Searching with consistent prioritization
+for multi-agent path finding" (PBS), AAAI 2019, but without backtracking.
 """
 
 from __future__ import annotations
@@ -10,121 +11,119 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from fgenv.planners.roadmap.motion_table import GONE
-from fgenv.planners.sipp.dynamic_obstacles import Timed
-from fgenv.planners.sipp.sipp import Effort, Track, sipp
+from fgenv.planners.sipp.dynamic_obstacles import TimedPath
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget, sipp
 
-from .conflicts import Clashes
-from .constraints import Ban, Banned
-from .roadmap_set import Tables
+from .conflicts import conflicts_of
+from .constraints import ConstrainedIntervals, Constraint
+from .roadmap_set import RoadmapSet
 
-HOLDS = (1.0, 2.0, 0.0, 4.0)  # seconds that who is not planned yet is left at his start: by order
-STATES = 3000  # of one robot's search
-RIPS = 4  # for each robot, in the mean
+HOLD_TIMES = (1.0, 2.0, 0.0, 4.0)  # s; robots not yet planned block their starts for so long
+MAX_STATES = 3000  # of a single-robot search
+RIP_UPS = 4  # per robot, on average
 
 
-class Priorities:
-    """Plans robots in an order.
+class PriorityPlanner:
+    """Plans robots in a priority order.
 
     Args:
-        given: timed paths that are kept.
-        bans: what robots must not do.
-        greed: of `sipp`.
+        fixed: timed paths of robots that keep them.
+        constraints: constraints of each robot.
+        weight: of the heuristic, see `sipp`.
     """
 
     def __init__(
         self,
-        tables: Tables,
-        effort: Effort,
-        given: Mapping[int, Timed],
-        bans: Mapping[int, Sequence[Ban]],
-        greed: float = 1.0,
+        roadmaps: RoadmapSet,
+        budget: SearchBudget,
+        fixed: Mapping[int, TimedPath],
+        constraints: Mapping[int, Sequence[Constraint]],
+        weight: float = 1.0,
     ) -> None:
-        self.tables, self.effort, self.given, self.bans = tables, effort, given, bans
-        self.clashes, self.greed = Clashes(tables), greed
+        self.roadmaps, self.budget, self.fixed = roadmaps, budget, fixed
+        self.constraints, self.weight = constraints, weight
 
-    def attempt(self, order: Sequence[int], hold: int) -> tuple[dict[int, Track], int | None]:
-        """Tracks by this order, and the robot at which it failed, if it did.
+    def plan(self, order: Sequence[int], hold: float) -> tuple[dict[int, RoadmapPath], int | None]:
+        """Plan robots in an order.
 
-        Robots still to come are left in peace at their starts for `hold` steps: they need time to
-        get out of the way.
+        Args:
+            order: robots, highest priority first.
+            hold: seconds for which robots not yet planned block their starts, so that they have
+                time to leave.
+
+        Returns:
+            Paths by robot, and the robot that has no path, or None.
         """
-        line, tracks = list(order), dict[int, Track]()
-        before: dict[int, set[int]] = {i: set() for i in order}  # who goes before whom
-        rips = RIPS * len(line)
-        while line:
-            i = line.pop(0)
-            waiting = [self._waiting(j, hold) for j in line] if hold else []
-            track = self.track(i, tracks, waiting)
-            if track is None and rips > 0:
-                kept = {j: tracks[j] for j in _all_before(i, before) if j in tracks}
-                track = self.track(i, kept, waiting) or self.track(i, kept, [])
-                if track is not None:
-                    ripped = self._ripped(i, track, tracks)
-                    rips -= len(ripped)
+        steps = round(hold / self.roadmaps.problem.dt)
+        queue, paths = list(order), dict[int, RoadmapPath]()
+        above: dict[int, set[int]] = {i: set() for i in order}  # robots with priority over i
+        rip_ups = RIP_UPS * len(queue)
+        while queue:
+            i = queue.pop(0)
+            waiting = [self.roadmaps.waiting(j, steps) for j in queue] if steps else []
+            path = self.plan_robot(i, paths, waiting)
+            if path is None and rip_ups > 0:
+                kept = {j: paths[j] for j in _closure(i, above) if j in paths}
+                path = self.plan_robot(i, kept, waiting) or self.plan_robot(i, kept)
+                if path is not None:
+                    ripped = self._conflicting(i, {**paths, i: path})
+                    rip_ups -= len(ripped)
                     for j in ripped:
-                        before[j].add(i)
-                        del tracks[j]
-                    line = ripped + line
-            if track is None:
-                return tracks, i
-            tracks[i] = track
-        return tracks, None
+                        above[j].add(i)
+                        del paths[j]
+                    queue = ripped + queue
+            if path is None:
+                return paths, i
+            paths[i] = path
+        return paths, None
 
-    def order(self) -> list[int]:
-        """First those whose goals are in nobody's way, and whose starts are in many's; then those
-        with long ways."""
-        tables = self.tables
-        robots = [i for i in range(len(tables.kinds)) if i not in self.given]
-        free = {i: t for i in robots if (t := self.track(i, {})) is not None}
-        in_way = {i: self._in_way(tables.goals[i], i, free) for i in robots if tables.park}
-        out_of = {i: self._in_way(tables.starts[i], i, free) for i in robots}
-        score = {i: in_way.get(i, 0) - out_of[i] for i in robots}
-        return sorted(robots, key=lambda i: (score[i], -tables.least(i), i))
+    def initial_order(self) -> list[int]:
+        """Robots whose goals block few others and whose starts block many; then by path length."""
+        roadmaps = self.roadmaps
+        robots = [i for i in range(len(roadmaps.kinds)) if i not in self.fixed]
+        alone = {i: path for i in robots if (path := self.plan_robot(i, {})) is not None}
+        at_goal = {i: self._blocked(roadmaps.goals[i], i, alone) for i in robots if roadmaps.stay}
+        at_start = {i: self._blocked(roadmaps.starts[i], i, alone) for i in robots}
+        score = {i: at_goal.get(i, 0) - at_start[i] for i in robots}
+        return sorted(robots, key=lambda i: (score[i], -roadmaps.shortest(i), i))
 
-    def _in_way(self, v: int, i: int, tracks: Mapping[int, Track]) -> int:
-        """How many of the tracks robot i meets if it stays at vertex v."""
-        kinds, meet = self.tables.kinds, self.tables.meetings.meet
-        others = [(kinds[j], t.steps) for j, t in tracks.items() if j != i]
-        return sum(bool(meet(kinds[i], np.full(len(s), v), k, s).any()) for k, s in others)
+    def _blocked(self, v: int, i: int, paths: Mapping[int, RoadmapPath]) -> int:
+        """Number of paths that collide with robot i if it stays at vertex v."""
+        kinds, collide = self.roadmaps.kinds, self.roadmaps.pairs.collide
+        others = [(kinds[j], path.motions) for j, path in paths.items() if j != i]
+        return sum(bool(collide(kinds[i], np.full(len(m), v), k, m).any()) for k, m in others)
 
-    def track(
-        self, i: int, others: Mapping[int, Track], waiting: Iterable[Timed] = ()
-    ) -> Track | None:
-        """Robot i's soonest track among others."""
-        tables = self.tables
-        seen = [*self.given.values(), *(tables.timed(j, t) for j, t in others.items()), *waiting]
-        safe = Banned(tables.traffic(i, seen), self.bans.get(i, ()))
+    def plan_robot(
+        self, i: int, paths: Mapping[int, RoadmapPath], waiting: Iterable[TimedPath] = ()
+    ) -> RoadmapPath | None:
+        """Earliest path of robot i among the fixed paths, other paths and waiting robots."""
+        roadmaps = self.roadmaps
+        timed = (roadmaps.timed(j, path) for j, path in paths.items())
+        obstacles = roadmaps.intervals(i, [*self.fixed.values(), *timed, *waiting])
+        intervals = ConstrainedIntervals(obstacles, self.constraints.get(i, ()))
         return sipp(
-            tables.roadmap(i),
-            tables.starts[i],
-            tables.goals[i],
-            safe,
-            self.effort,
-            park=tables.park,
-            release=safe.release,
-            states=STATES,
-            greed=self.greed,
+            roadmaps.roadmap(i),
+            roadmaps.starts[i],
+            roadmaps.goals[i],
+            intervals,
+            self.budget,
+            stay=roadmaps.stay,
+            earliest=intervals.earliest,
+            max_states=MAX_STATES,
+            weight=self.weight,
         )
 
-    def _ripped(self, i: int, track: Track, tracks: Mapping[int, Track]) -> list[int]:
-        met = self.clashes.among(i, {**tracks, i: track})
-        return sorted({j for pair in met for j in pair if j != i})
-
-    def _waiting(self, j: int, steps: int) -> Timed:
-        key = j, steps
-        if key not in self.tables.waiting:
-            start = np.full(steps, self.tables.starts[j], dtype=np.int64)
-            self.tables.waiting[key] = Timed(self.tables.kinds[j], start, GONE)
-        return self.tables.waiting[key]
+    def _conflicting(self, i: int, paths: Mapping[int, RoadmapPath]) -> list[int]:
+        """Robots whose paths conflict with that of robot i."""
+        return sorted({j for pair in conflicts_of(self.roadmaps, i, paths) for j in pair if j != i})
 
 
-def _all_before(i: int, before: Mapping[int, set[int]]) -> list[int]:
-    """Those that go before robot i, and before those."""
-    found: set[int] = set()
+def _closure(i: int, above: Mapping[int, set[int]]) -> list[int]:
+    """Robots with direct or indirect priority over robot i."""
+    closure: set[int] = set()
     todo = [i]
     while todo:
-        new = before.get(todo.pop(), set()) - found
-        found |= new
+        new = above.get(todo.pop(), set()) - closure
+        closure |= new
         todo += new
-    return sorted(found)
+    return sorted(closure)

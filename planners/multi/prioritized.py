@@ -1,97 +1,102 @@
 """Prioritized planning: one robot after another, among the timed paths of those before.
 
-M. Erdmann and T. Lozano-Perez, "On multiple moving objects", 1987; on roadmaps, by safe intervals.
-Who finds no way rips others' paths up; where that does not help, all is planned anew, in another
-order.
+M. Erdmann and T. Lozano-Perez, "On multiple moving objects", Algorithmica 1987; here on roadmaps,
+by safe intervals, with rip-up and with restarts in other priority orders.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.sipp.sipp import Effort, Track
+from fgenv.planners.problem import Problem
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
-from .priorities import HOLDS, Priorities
-from .roadmap_set import Tables
-from .timetable import Timetable
+from .priorities import HOLD_TIMES, PriorityPlanner
+from .roadmap_set import RoadmapSet
+from .solution import Solution
 
-if TYPE_CHECKING:
-    from fgenv.planners.problem import Problem
-
-GREED = 1.5  # of single robots' searches
+WEIGHT = 1.5  # of the heuristic of single-robot searches
 
 
-def prioritized(
+def plan_prioritized(
     problem: Problem,
     time_limit: float = 10.0,
     *,
     order: Sequence[int] | None = None,
     restarts: int | None = None,
     fixed: dict[int, Floats] | None = None,
-    tables: Tables | None = None,
-) -> Timetable:
-    """Timed paths for all robots, planned one after another.
+    roadmaps: RoadmapSet | None = None,
+) -> Solution:
+    """Plan timed paths for all robots, one after another.
 
-    Same problem, same result, unless the time limit cuts the search short.
+    The same problem gives the same result, unless the time limit ends the search.
 
     Args:
         time_limit: seconds.
-        order: robots, first to last; if left out, those in nobody's way at their goals first.
-        restarts: orders to try beside the first; as many as there is time for if left out.
-        fixed: timed paths (k + 1, nq) of robots that keep them; they are met as they move.
-        tables: of this problem, of an earlier search.
+        order: robots, highest priority first; see `PriorityPlanner.initial_order` for the default.
+        restarts: number of orders after the first; unlimited by default.
+        fixed: timed paths (k + 1, nq) of robots that keep them, as dynamic obstacles.
+        roadmaps: of the same problem, from an earlier search.
 
     Raises:
-        PlanningError: no way found in time: `best` is a Timetable, of those that have one in the
-            best order, for others to go on from. Or starts or goals are in collision.
+        PlanningError: starts or goals collide, or no solution is found. In the second case `best`
+            is the Solution of the best order.
     """
-    effort = Effort(time.monotonic() + time_limit)
-    tables = tables or Tables(problem)
-    tables.check()
-    kept = {i: tables.given(i, path) for i, path in (fixed or {}).items()}
-    tracks, tried = _tried(tables, Priorities(tables, effort, kept, {}, GREED), order, restarts)
-    best = kept | {i: tables.timed(i, track) for i, track in tracks.items()}
-    paths = tuple(tables.path(i, best[i]) if i in best else None for i in range(len(tables.kinds)))
-    found = Timetable(paths, tables.stats(effort, restarts=tried))
-    if not found.complete:
-        raise PlanningError(_reason(problem, found, time_limit, effort.late()), found)
-    return found
+    budget = SearchBudget(time.monotonic() + time_limit)
+    roadmaps = roadmaps or RoadmapSet(problem)
+    roadmaps.check()
+    timed = {i: roadmaps.add_path(i, path) for i, path in (fixed or {}).items()}
+    planner = PriorityPlanner(roadmaps, budget, timed, {}, WEIGHT)
+    paths, tried = _best_order(planner, order, restarts)
+    timed |= {i: roadmaps.timed(i, path) for i, path in paths.items()}
+    solution = Solution(
+        tuple(
+            roadmaps.configurations(i, timed[i]) if i in timed else None
+            for i in range(len(problem.names))
+        ),
+        roadmaps.stats(budget, restarts=tried),
+    )
+    if not solution.complete:
+        raise PlanningError(_failure(problem, solution, time_limit, budget.expired()), solution)
+    return solution
 
 
-def _tried(
-    tables: Tables, search: Priorities, order: Sequence[int] | None, restarts: int | None
-) -> tuple[dict[int, Track], int]:
-    """The best that any order gave, and how many were tried beside the first."""
-    rng = np.random.default_rng(tables.problem.seed)
-    line = search.order() if order is None else list(order)
-    best: dict[int, Track] = {}
+def _best_order(
+    planner: PriorityPlanner, order: Sequence[int] | None, restarts: int | None
+) -> tuple[dict[int, RoadmapPath], int]:
+    """Paths of the order that plans most robots, and the number of restarts.
+
+    The robot that failed comes first in the next order; an order that was tried before is
+    replaced by a random one.
+    """
+    rng = np.random.default_rng(planner.roadmaps.problem.seed)
+    queue = planner.initial_order() if order is None else list(order)
+    best: dict[int, RoadmapPath] = {}
     seen, tried = set(), 0
     while True:
-        hold = HOLDS[tried % len(HOLDS)]
-        tracks, failed = search.attempt(line, round(hold / tables.problem.dt))
-        if len(tracks) > len(best):
-            best = tracks
-        if failed is None or search.effort.late() or tried == restarts:
+        paths, failed = planner.plan(queue, HOLD_TIMES[tried % len(HOLD_TIMES)])
+        if len(paths) > len(best):
+            best = paths
+        if failed is None or planner.budget.expired() or tried == restarts:
             return best, tried
         tried += 1
-        seen.add(tuple(line))
-        line = [failed, *(i for i in line if i != failed)]
-        if tuple(line) in seen:
-            line = [int(i) for i in rng.permutation(line)]
+        seen.add(tuple(queue))
+        queue = [failed, *(i for i in queue if i != failed)]
+        if tuple(queue) in seen:
+            queue = [int(i) for i in rng.permutation(queue)]
 
 
-def _reason(problem: Problem, found: Timetable, time_limit: float, late: bool) -> str:
-    missing = ", ".join(problem.names[i] for i in found.missing)
-    why = f"within {time_limit:g} s" if late else f"in {found.stats.restarts + 1} orders"
-    done = len(found.paths) - len(found.missing)
+def _failure(problem: Problem, solution: Solution, time_limit: float, late: bool) -> str:
+    missing = ", ".join(problem.names[i] for i in solution.missing)
+    effort = f"within {time_limit:g} s" if late else f"in {solution.stats.restarts + 1} orders"
+    total = len(solution.paths)
     return (
-        f"prioritized: no way for all {len(found.paths)} robots {why}; the best order left"
-        f" {missing} without one, {done} have theirs; give more time, or take conflict_based or"
-        " composite"
+        f"prioritized: no paths for all {total} robots {effort}; the best order plans"
+        f" {total - len(solution.missing)} of them, without {missing}; allow more time, or use"
+        " conflict_based or composite"
     )

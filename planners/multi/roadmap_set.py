@@ -1,135 +1,138 @@
-"""What the many-robot methods share: a problem's roadmaps, and which of their steps meet."""
+"""Roadmaps of a problem with their collision cache, shared by the multi-robot methods."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
-from fgenv.planners.roadmap.construction import grow
-from fgenv.planners.roadmap.motion_table import GONE
-from fgenv.planners.roadmap.roadmap import FAR, Roadmap
-from fgenv.planners.sipp.dynamic_obstacles import Other, Timed
-from fgenv.planners.sipp.safe_intervals import Traffic
-from fgenv.planners.sipp.sipp import Effort, Track
+from fgenv.planners.problem import Problem
+from fgenv.planners.roadmap.construction import build_roadmap
+from fgenv.planners.roadmap.motion_table import ABSENT
+from fgenv.planners.roadmap.pair_cache import PairCache
+from fgenv.planners.roadmap.roadmap import UNREACHABLE, Roadmap
+from fgenv.planners.sipp.dynamic_obstacles import DynamicObstacle, TimedPath
+from fgenv.planners.sipp.safe_intervals import ObstacleIntervals
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
-from .pair_cache import Meetings
-from .timetable import Stats
-
-if TYPE_CHECKING:
-    from fgenv.planners.problem import Problem
+from .solution import SearchStats
 
 
-class Tables:
-    """A problem's roadmaps, and which of their steps meet; made on demand, shared by searches."""
+class RoadmapSet:
+    """A problem's roadmaps, one per kind of robot, built on demand and shared by searches."""
 
-    def __init__(self, problem: Problem, finer: int = 0) -> None:
-        self.problem, self.finer = problem, finer
-        self.waiting: dict[
-            tuple[int, int], Timed
-        ] = {}  # robots left at their starts, so many steps
-        self._timed: WeakKeyDictionary[Track, Timed] = WeakKeyDictionary()
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._waiting: dict[tuple[int, int], TimedPath] = {}
+        self._timed: WeakKeyDictionary[RoadmapPath, TimedPath] = WeakKeyDictionary()
 
     @cached_property
     def kinds(self) -> tuple[int, ...]:
-        """For each robot, the place of its kind's roadmap."""
+        """Place of each robot's roadmap in `roadmaps`."""
         known = sorted(set(self.problem.kinds))
         return tuple(known.index(kind) for kind in self.problem.kinds)
 
     @cached_property
     def roadmaps(self) -> tuple[Roadmap, ...]:
-        """One of each kind."""
-        known = sorted(set(self.problem.kinds))
-        return tuple(grow(self.problem, kind, first=self.finer) for kind in known)
+        """Roadmap of each kind."""
+        return tuple(build_roadmap(self.problem, k) for k in sorted(set(self.problem.kinds)))
 
     @cached_property
-    def meetings(self) -> Meetings:
-        """Which steps of them meet."""
+    def pairs(self) -> PairCache:
+        """Collision results for pairs of motions."""
         ids = self.problem.robots
         members = [
             [ids[i] for i, k in enumerate(self.kinds) if k == kind]
             for kind in range(len(self.roadmaps))
         ]
-        steps = [roadmap.steps for roadmap in self.roadmaps]
-        return Meetings(self.problem.world, steps, members, self.problem.margin)
+        tables = [roadmap.motions for roadmap in self.roadmaps]
+        return PairCache(self.problem.world, tables, members, self.problem.margin)
 
     @cached_property
     def starts(self) -> tuple[int, ...]:
-        """The vertex of each robot's start."""
-        return tuple(
-            self.roadmaps[k].vertex(q) for k, q in zip(self.kinds, self.problem.starts, strict=True)
-        )
+        """Start vertex of each robot."""
+        return self._vertices(self.problem.starts)
 
     @cached_property
     def goals(self) -> tuple[int, ...]:
-        """The vertex of each robot's goal."""
-        return tuple(
-            self.roadmaps[k].vertex(q) for k, q in zip(self.kinds, self.problem.goals, strict=True)
-        )
+        """Goal vertex of each robot."""
+        return self._vertices(self.problem.goals)
 
-    @cached_property
-    def park(self) -> bool:
+    def _vertices(self, ends: Iterable[Floats]) -> tuple[int, ...]:
+        return tuple(self.roadmaps[k].vertex(q) for k, q in zip(self.kinds, ends, strict=True))
+
+    @property
+    def stay(self) -> bool:
         """Whether robots stay at their goals."""
         return not self.problem.vanish
 
     def roadmap(self, i: int) -> Roadmap:
-        """Of robot i."""
+        """Roadmap of robot i."""
         return self.roadmaps[self.kinds[i]]
 
-    def least(self, i: int) -> int:
-        """Steps that robot i needs at least, alone."""
-        return self.roadmap(i).to(self.goals[i])[self.starts[i]]
+    def shortest(self, i: int) -> int:
+        """Least number of steps of robot i without other robots."""
+        return self.roadmap(i).cost_to_go(self.goals[i])[self.starts[i]]
 
-    def timed(self, i: int, track: Track) -> Timed:
-        """Robot i's track as others see it."""
-        if not self.park and not len(track.steps):  # it is gone after one step at the earliest
-            return self.given(i, np.repeat(self.problem.starts[i][None], 2, axis=0))
-        if track not in self._timed:
-            rest = self.goals[i] if self.park else GONE
-            self._timed[track] = Timed(self.kinds[i], track.steps, rest)
-        return self._timed[track]
+    def timed(self, i: int, path: RoadmapPath) -> TimedPath:
+        """Path of robot i as a timed path, for the other robots."""
+        if not self.stay and not len(path.motions):  # the robot vanishes after one step
+            return self.add_path(i, np.repeat(self.problem.starts[i][None], 2, axis=0))
+        if path not in self._timed:
+            rest = self.goals[i] if self.stay else ABSENT
+            self._timed[path] = TimedPath(self.kinds[i], path.motions, rest)
+        return self._timed[path]
 
-    def given(self, i: int, path: Floats) -> Timed:
-        """A timed path (k + 1, nq) of robot i that is not on its roadmap, as others see it."""
-        table = self.roadmap(i).steps
-        first = table.add(path[:-1], path[1:])
-        steps = first + np.arange(len(path) - 1, dtype=np.int64)
-        return Timed(self.kinds[i], steps, self.goals[i] if self.park else GONE)
+    def add_path(self, i: int, path: Floats) -> TimedPath:
+        """Timed path (k + 1, nq) of robot i that is not on its roadmap."""
+        first = self.roadmap(i).motions.add(path[:-1], path[1:])
+        motions = first + np.arange(len(path) - 1, dtype=np.int64)
+        return TimedPath(self.kinds[i], motions, self.goals[i] if self.stay else ABSENT)
 
-    def traffic(self, i: int, others: Iterable[Timed]) -> Traffic:
-        """Others' timed paths as robot i meets them; what is found out is kept with them."""
-        return Traffic(self.roadmap(i), [self._seen(i, timed) for timed in others])
+    def waiting(self, i: int, steps: int) -> TimedPath:
+        """Robot i at its start for some steps, and then absent."""
+        key = i, steps
+        if key not in self._waiting:
+            motions = np.full(steps, self.starts[i], dtype=np.int64)
+            self._waiting[key] = TimedPath(self.kinds[i], motions, ABSENT)
+        return self._waiting[key]
 
-    def _seen(self, i: int, timed: Timed) -> Other:
+    def intervals(self, i: int, paths: Iterable[TimedPath]) -> ObstacleIntervals:
+        """Safe intervals of robot i among timed paths, which cache the results."""
+        return ObstacleIntervals(self.roadmap(i), [self._obstacle(i, path) for path in paths])
+
+    def _obstacle(self, i: int, path: TimedPath) -> DynamicObstacle:
         kind = self.kinds[i]
-        if kind not in timed.seen:
-            timed.seen[kind] = Other(self.meetings, kind, self.roadmaps[kind], timed)
-        return timed.seen[kind]
+        if kind not in path.obstacles:
+            path.obstacles[kind] = DynamicObstacle(self.pairs, kind, self.roadmaps[kind], path)
+        return path.obstacles[kind]
 
-    def path(self, i: int, timed: Timed) -> Floats:
+    def configurations(self, i: int, path: TimedPath) -> Floats:
         """Configurations (k + 1, nq) of robot i at each step."""
-        if not len(timed.steps):
+        if not len(path.motions):
             return self.problem.starts[i][None].copy()
-        return self.roadmap(i).steps.path(timed.steps)
+        return self.roadmap(i).motions.path(path.motions)
 
-    def stats(self, effort: Effort, **more: object) -> Stats:
-        """Of what was done so far."""
+    def stats(self, budget: SearchBudget, **more: Any) -> SearchStats:
+        """Statistics of the searches so far."""
         sizes = tuple((len(r.q), len(r.heads)) for r in self.roadmaps)
-        done = {"expanded": effort.expanded, "searches": effort.searches}
-        return Stats(**done, checks=self.meetings.checks, roadmaps=sizes, **more)  # type: ignore[arg-type]
+        return SearchStats(budget.expanded, budget.searches, self.pairs.checks, sizes, **more)
 
     def check(self) -> None:
-        """PlanningError where ends collide, or a robot has no way even alone."""
+        """Check starts, goals and connectivity.
+
+        Raises:
+            PlanningError: starts or goals collide, or a robot has no path even without others.
+        """
         self.problem.check()
-        for i in range(len(self.kinds)):
-            if self.least(i) >= FAR:
-                size = len(self.roadmap(i).q)
+        for i, name in enumerate(self.problem.names):
+            if self.shortest(i) >= UNREACHABLE:
                 raise PlanningError(
-                    f"{self.problem.names[i]}: no way from start to goal on a roadmap of {size}"
-                    " vertices, even with no other robot there"
+                    f"{name}: no path from start to goal on a roadmap of {len(self.roadmap(i).q)}"
+                    " vertices, even without other robots"
                 )

@@ -1,4 +1,4 @@
-"""What a planner makes least: length, nearness, or time."""
+"""Optimization objectives: path length, clearance, time."""
 
 from __future__ import annotations
 
@@ -10,62 +10,61 @@ from ompl import base as ob
 from fgenv.planners.steering import legs
 from fgenv.planners.timing import amounts_of, seconds
 
-from .plugin import Setup
+from .setup import Setup
 
-NEAREST = 1e-3  # meters: nearer counts as this near
+MIN_CLEARANCE = 1e-3  # m; a smaller clearance costs as much
 OBJECTIVES = ("length", "clearance", "time")
 
 
 def objective_of(name: str, made: Setup) -> Any:
-    """OMPL's objective of that name.
+    """Return OMPL's objective of a name.
 
-    `length`: of the path, as the space measures it. `clearance`: the integral of one by the
-    clearance (meters) along the path. `time`: seconds that the robots need at full speed.
+    `length`: path length in the space's metric. `clearance`: integral of the inverse clearance
+    (meters) along the path. `time`: seconds at full speed, of the slowest robot on each motion.
 
     Raises:
-        ValueError: the name is not known.
+        ValueError: unknown name.
     """
     si = made.getSpaceInformation()
     if name == "length":
         return ob.PathLengthOptimizationObjective(si)
     if name == "clearance":
-        return Nearness(si, made)
+        return ClearanceObjective(si, made)
     if name == "time":
-        return Seconds(si, made)
+        return TimeObjective(si, made)
     raise ValueError(f"objective: got {name!r}, expected one of {', '.join(OBJECTIVES)}")
 
 
-class Nearness(ob.StateCostIntegralObjective):  # type: ignore[misc]
-    """One by the clearance, integrated along the path."""
+class ClearanceObjective(ob.StateCostIntegralObjective):  # type: ignore[misc]
+    """Integral of the inverse clearance along the path."""
 
     def __init__(self, si: Any, made: Setup) -> None:
         super().__init__(si, True)
         self._clearance = made.validity.clearance
 
     def stateCost(self, state: Any) -> Any:  # noqa: N802
-        """Of one state."""
-        return ob.Cost(1.0 / max(self._clearance(state), NEAREST))
+        """Inverse clearance of a state, 1/m."""
+        return ob.Cost(1.0 / max(self._clearance(state), MIN_CLEARANCE))
 
 
-class Seconds(ob.OptimizationObjective):  # type: ignore[misc]
-    """Time at full speed on the ways that robots take, of the slowest one on each motion."""
+class TimeObjective(ob.OptimizationObjective):  # type: ignore[misc]
+    """Time at full speed along the robots' steering; the slowest robot counts on each motion."""
 
     def __init__(self, si: Any, made: Setup) -> None:
         super().__init__(si)
-        self._read, self._layouts, self._dt = made.buffer.read, made.layouts, made.problem.dt
+        self._configurations, self._read = made.configurations, made.buffer.read
+        self._layouts, self._dt = made.layouts, made.problem.dt
 
     def stateCost(self, state: Any) -> Any:  # noqa: N802
-        """None of a state."""
+        """Zero: only motions have a cost."""
         return ob.Cost(0.0)
 
     def motionCost(self, a: Any, b: Any) -> Any:  # noqa: N802
         """Seconds from one state to another."""
-        slowest, k = 0.0, 0
-        start, end = self._read(a), self._read(b)
-        for layout in self._layouts:
-            part = slice(k, k := k + layout.size)
-            q0, q1 = (layout.configurations(state[part]) for state in (start, end))
+        slowest = 0.0
+        ends = (self._configurations(self._read(state)) for state in (a, b))
+        for layout, q0, q1 in zip(self._layouts, *ends, strict=True):
             rows = legs(layout.robot, q0, q1, layout.steering.way)
-            each = [amounts_of(layout.robot, *leg, self._dt) for leg in pairwise(rows)]
-            slowest = max(slowest, sum(map(seconds, each)))
+            amounts = [amounts_of(layout.robot, *leg, self._dt) for leg in pairwise(rows)]
+            slowest = max(slowest, sum(map(seconds, amounts)))
         return ob.Cost(slowest)

@@ -1,10 +1,11 @@
-"""State spaces of OMPL for robots: by the kinds of their joints, with bounds and weights."""
+"""OMPL state spaces of robots: by the kinds of their joints, with bounds and weights."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -15,15 +16,18 @@ from fgenv.arrays import Floats
 from fgenv.planners.steering import Steering, platform
 from fgenv.robots import Drone, Robot
 
-Leaf = tuple[str, int]  # kind of a subspace, and its dimension
+Subspace = tuple[str, int]  # its kind, such as "SE2", and its dimension
+Weighted = tuple[Any, float]  # a space, and its weight in a compound space
+
+MIN_WEIGHT = 1e-3  # m/rad
 
 
 @dataclass(frozen=True)
-class Layout:
-    """How a robot's configuration stands in a state.
+class StateLayout:
+    """Conversion between a robot's configurations and its states.
 
-    A robot with a free base that stays level (`Drone`) has x, y, z, yaw in place of x, y, z and a
-    quaternion; all others have their configuration as it is.
+    The state of a robot with a free base that stays level (`Drone`) has x, y, z, yaw in place of
+    x, y, z and a quaternion. The states of other robots are their configurations.
     """
 
     robot: Robot
@@ -31,7 +35,7 @@ class Layout:
 
     @property
     def level(self) -> bool:
-        """Whether it stays level."""
+        """Whether the robot stays level."""
         return self.robot.base == "free" and isinstance(platform(self.robot.drive), Drone)
 
     @property
@@ -39,18 +43,10 @@ class Layout:
         """Numbers in a state."""
         return self.robot.nq - (3 if self.level else 0)
 
-    @staticmethod
-    def room_of(layout: Layout | None) -> list[float]:
-        """Least x, y and greatest x, y of the base: arcs of a car swing out of where they end."""
-        box = None if layout is None else layout.robot.workspace
-        if box is None:
-            return [-math.inf, -math.inf, math.inf, math.inf]
-        return [float(x) for x in np.asarray(box)[:, :2].ravel()]
-
     def states(self, q: ArrayLike) -> Floats:
-        """States (..., size) of configurations (..., nq); angles come to [-pi, pi).
+        """States (..., size) of configurations (..., nq), with angles in [-pi, pi).
 
-        Quaternions come to length 1: OMPL takes no state in which it is off by more than 1e-9.
+        Quaternions are normalized, since OMPL rejects states whose norm is off by more than 1e-9.
         """
         q = np.array(q, dtype=np.float64)
         q[..., self.robot.endless] = _wrapped(q[..., self.robot.endless])
@@ -70,17 +66,17 @@ class Layout:
         return np.concatenate(parts, axis=-1)
 
 
-def space_of(layout: Layout, bounds: Floats | None = None) -> Any:
-    """The space of one robot's states.
+def state_space(layout: StateLayout, bounds: Floats | None = None) -> Any:
+    """Return the OMPL state space of one robot.
 
-    Planar bases are SE2 (a car's Dubins or Reeds-Shepp), free ones SE3 (a level one R3 and SO2),
-    bounded joints are real vectors and those without end SO2; several of these are a compound
-    space, in the order of the configuration. An angle weighs as many meters as it moves the
-    farthest point.
+    A planar base is SE2 (Dubins or Reeds-Shepp for a car) and a free base SE3 (R3 and SO2 for a
+    level robot). Bounded joints form real vector spaces, unbounded joints are SO2. Several parts
+    form a compound space, in the order of the configuration. The weight of an angle is the distance
+    that the farthest point moves per radian.
 
     Args:
-        bounds: (2, 2) or (2, 3), least and greatest position of the base (meters); the robot's
-            workspace if left out.
+        bounds: (2, 2) or (2, 3), lowest and highest position of the base (meters); the robot's
+            workspace by default.
     """
     parts = [*_base(layout, bounds), *_joints(layout.robot)]
     if len(parts) == 1:
@@ -88,8 +84,8 @@ def space_of(layout: Layout, bounds: Floats | None = None) -> Any:
     return _compound(parts)
 
 
-def compound_of(spaces: Sequence[Any]) -> Any:
-    """The joint space of several robots; one real vector where all of theirs are."""
+def joint_space(spaces: Sequence[Any]) -> Any:
+    """Return the joint space of several robots; one real vector space if all of theirs are."""
     if len(spaces) == 1:
         return spaces[0]
     if all(isinstance(space, ob.RealVectorStateSpace) for space in spaces):
@@ -101,36 +97,36 @@ def compound_of(spaces: Sequence[Any]) -> Any:
     return _compound([(space, 1.0) for space in spaces])
 
 
-def leaves(space: Any) -> list[Leaf]:
-    """What a space is made of, in the order of its states."""
+def subspaces(space: Any) -> list[Subspace]:
+    """Kinds and dimensions of a space's parts, in the order of its states."""
     if isinstance(space, (ob.SE2StateSpace, ob.SE3StateSpace)) or not space.isCompound():
         return [(type(space).__name__.removesuffix("StateSpace"), space.getDimension())]
-    return [leaf for part in space.getSubspaces() for leaf in leaves(part)]
+    return [sub for part in space.getSubspaces() for sub in subspaces(part)]
 
 
-def _base(layout: Layout, bounds: Floats | None) -> list[tuple[Any, float]]:
+def _base(layout: StateLayout, bounds: Floats | None) -> list[Weighted]:
     robot = layout.robot
     if robot.base == "fixed":
         return []
     box = robot.workspace if bounds is None else bounds
     if box is None:
         raise ValueError(
-            f"bounds: {robot.name!r} has no workspace, expected workspace= of the robot, or bounds="
+            f"bounds: got None, expected (2, 3) for {robot.name!r}, a robot without workspace"
         )
-    place, turn = (2, 2) if robot.base == "planar" else (3, 3)
-    limits, weight = _bounds(np.asarray(box)[:, :place]), max(float(robot.weights[turn]), 1e-3)
+    d = 2 if robot.base == "planar" else 3
+    limits, weight = _bounds(np.asarray(box)[:, :d]), max(float(robot.weights[d]), MIN_WEIGHT)
     if layout.level:
         real = ob.RealVectorStateSpace(3)
         real.setBounds(limits)
         return [(real, 1.0), (ob.SO2StateSpace(), weight)]
-    space = _turning(layout)
+    space = _pose_space(layout)
     space.setBounds(limits)
     if layout.steering.way in ("straight", "turn_drive_turn"):
         space.setSubspaceWeight(1, weight)
     return [(space, 1.0)]
 
 
-def _turning(layout: Layout) -> Any:
+def _pose_space(layout: StateLayout) -> Any:
     way, radius = layout.steering.way, layout.steering.radius
     if layout.robot.base == "free":
         return ob.SE3StateSpace()
@@ -139,31 +135,33 @@ def _turning(layout: Layout) -> Any:
     return ob.ReedsSheppStateSpace(radius) if way == "reeds_shepp" else ob.SE2StateSpace()
 
 
-def _joints(robot: Robot) -> list[tuple[Any, float]]:
-    """Real vectors for joints with limits, as long as they can be, and circles."""
+def _joints(robot: Robot) -> list[Weighted]:
+    """A circle for each unbounded joint, and real vectors for runs of bounded joints."""
     first = robot.nq - len(robot.moving_joints)
-    parts: list[tuple[Any, float]] = []
-    k = first
-    while k < robot.nq:
-        if robot.endless[k]:
-            parts.append((ob.SO2StateSpace(), max(float(robot.weights[k]), 1e-3)))
-            k += 1
+    parts: list[Weighted] = []
+    for endless, run in groupby(range(first, robot.nq), key=lambda k: bool(robot.endless[k])):
+        joints = list(run)
+        if endless:
+            parts += [
+                (ob.SO2StateSpace(), max(float(robot.weights[k]), MIN_WEIGHT)) for k in joints
+            ]
             continue
-        end = k
-        while end < robot.nq and not robot.endless[end]:
-            if not np.isfinite([robot.lower[end], robot.upper[end]]).all():
-                name = robot.coordinates[end]
-                raise ValueError(
-                    f"bounds: joint {name!r} of {robot.name!r} has no limits, give it some"
-                )
-            end += 1
-        weight = 1.0 if first == 0 else float(robot.weights[k:end].mean())
-        parts.append((_real(np.array([robot.lower[k:end], robot.upper[k:end]])), max(weight, 1e-3)))
-        k = end
+        weight = 1.0 if first == 0 else float(robot.weights[joints].mean())
+        parts.append((_real(_limits(robot, joints)), max(weight, MIN_WEIGHT)))
     return parts
 
 
-def _compound(parts: Sequence[tuple[Any, float]]) -> Any:
+def _limits(robot: Robot, joints: list[int]) -> Floats:
+    """Lower and upper limits (2, n) of joints; ValueError if one has none."""
+    limits = np.array([robot.lower[joints], robot.upper[joints]])
+    unlimited = np.flatnonzero(~np.isfinite(limits).all(axis=0))
+    if len(unlimited):
+        name = robot.coordinates[joints[unlimited[0]]]
+        raise ValueError(f"bounds: joint {name!r} of {robot.name!r} has no limits; set them")
+    return limits
+
+
+def _compound(parts: Sequence[Weighted]) -> Any:
     space = ob.CompoundStateSpace()
     for part, weight in parts:
         space.addSubspace(part, weight)

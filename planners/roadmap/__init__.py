@@ -1,1 +1,1 @@
-"""Roadmaps: their construction, and timed motions along their edges."""
+"""Roadmaps with timed edges: construction, motion tables, collision cache."""

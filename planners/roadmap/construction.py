@@ -1,139 +1,131 @@
-"""Growing a roadmap for a kind of robot, until all its starts and goals are connected.
+"""Construction of the roadmap of a kind of robot: refined until starts and goals are connected.
 
-Not OMPL's PRM: it knows neither directed moves nor headings, tests one edge at a time through
-Python, and cannot be stopped safely (it deadlocks). Places are spread evenly and joined to their
-nearest here, and all moves are proved in one native call.
+OMPL's PRM is not used, since it supports neither directed edges nor headings, checks single edges
+through Python and cannot be interrupted safely. Here vertices are spread evenly and connected to
+their nearest neighbors, and one native call checks all edges.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from fgenv.arrays import Floats, Ints
-from fgenv.collision import World
+from fgenv.planners.problem import Problem
 from fgenv.planners.steering import Steering, legs
 from fgenv.planners.timing import steps_of
 from fgenv.robots import Car, DifferentialDrive, Robot
 
-from .heading_roadmap import expanded
-from .lattice import apart, box, lattice, neighbors, pitch
-from .motion_table import Balls
-from .roadmap import FAR, Roadmap
+from .edge_check import EdgeCheck
+from .heading_roadmap import heading_roadmap
+from .lattice import apart, lattice, lattice_pitch, neighbor_pairs, sampling_box
+from .motion_table import BoundingSpheres
+from .roadmap import UNREACHABLE, Roadmap
 
-if TYPE_CHECKING:
-    from fgenv.planners.problem import Problem
-
-PLACES = 500  # of the first round, at most; each round more has twice as many
-FINE = 0.7  # of the pitch at which two robots just fit: of the first round's
+MAX_POSITIONS = 500  # of the first round; doubled in each later round
+FINE = 0.7  # least pitch of the first round, relative to that at which two robots just fit
 ROUNDS = 4
-NEAREST = 12
-REACH = 1.6  # pitches: how far a place's neighbors are
+NEIGHBORS = 12
+REACH = 1.6  # distance of neighbors, in pitches
 
 
-def grow(problem: Problem, kind: int, rounds: int = ROUNDS, first: int = 0) -> Roadmap:
-    """The roadmap of a kind of robot, with all its starts and goals.
+def build_roadmap(problem: Problem, kind: int) -> Roadmap:
+    """Build the roadmap of a kind of robot, with all of its starts and goals.
 
-    Rounds are finer each, until every robot of the kind has a way from start to goal; the last
-    round's is returned where none does. Same problem, same roadmap.
+    Rounds use more vertices each, until every robot of the kind has a path from start to goal; if
+    none achieves that, the roadmap of the last round is returned. The same problem gives the same
+    roadmap.
     """
     members = [i for i, k in enumerate(problem.kinds) if k == kind]
-    robot, name = problem.models[members[0]], problem.scenario.robots[members[0]].name
-    world = problem.alone(members[0])
+    robot = problem.models[members[0]]
+    name = problem.scenario.robots[members[0]].name
+    check = EdgeCheck(problem.alone(members[0]), name, problem.margin)
     ends = np.array([q for i in members for q in (problem.starts[i], problem.goals[i])])
-    different = np.unique(ends, axis=0)
-    for turn in range(first, first + rounds):
+    distinct = np.unique(ends, axis=0)
+    for turn in range(ROUNDS):
         rng = np.random.default_rng([problem.seed, kind, turn])
-        most = PLACES << turn
-        made = _round(world, name, robot, different, most, rng, problem.margin, problem.dt)
-        if connected(made, ends):
+        roadmap = _build_round(check, robot, distinct, MAX_POSITIONS << turn, rng, problem.dt)
+        if _connects(roadmap, ends):
             break
-    return made
+    return roadmap
 
 
-def connected(roadmap: Roadmap, ends: Floats) -> bool:
-    """Whether each start has a way to its goal; ends (2n, nq): start, goal, start, goal..."""
-    places = [roadmap.vertex(q) for q in ends]
-    goals = sorted(set(places[1::2]))
-    ways = roadmap.all_to(goals)
-    starts = zip(places[::2], places[1::2], strict=True)
-    return all(ways[a, goals.index(b)] < FAR for a, b in starts)
+def _connects(roadmap: Roadmap, ends: Floats) -> bool:
+    """Whether each start has a path to its goal; ends (2n, nq): start, goal, start, goal, ..."""
+    vertices = [roadmap.vertex(q) for q in ends]
+    goals = sorted(set(vertices[1::2]))
+    costs = roadmap.costs_to_go(goals)
+    robots = zip(vertices[::2], vertices[1::2], strict=True)
+    return all(costs[start, goals.index(goal)] < UNREACHABLE for start, goal in robots)
 
 
-def _round(
-    world: World,
-    name: str,
+def _build_round(
+    check: EdgeCheck,
     robot: Robot,
     ends: Floats,
-    most: int,
+    max_positions: int,
     rng: np.random.Generator,
-    margin: float,
     dt: float,
 ) -> Roadmap:
+    """Roadmap with the ends (n, nq) and up to `max_positions` positions."""
     if isinstance(robot.drive, DifferentialDrive) and robot.nq == 3:
-        places, reach = _places(robot, ends, most, rng, 2)
-        pairs = neighbors(places, reach, NEAREST)
-        chains = np.isfinite(robot.drive.acceleration)
-        made = expanded(world, name, ends, places, pairs, margin, bool(chains))
-        return Roadmap(robot, *made, dt)
-    q = np.concatenate([ends, _samples(robot, ends, most, rng)])
-    hit = np.asarray(world.collides(name, q, margin=margin), dtype=bool)
-    hit[: len(ends)] = False
-    q = q[~hit]
-    moves = _nearest(robot, q)
-    if Steering.of(robot).way != "straight":
-        ways = [steps_of(robot, legs(robot, q[a], q[b]), dt) for a, b in moves.tolist()]
-        inside = [bool(np.all(robot.valid(way))) for way in ways]  # arcs swing out of the workspace
-        moves, ways = moves[inside], [way for way, ok in zip(ways, inside, strict=True) if ok]
-        kept = _free(world, name, ways, margin)
-        return Roadmap(robot, q, moves[kept], dt, [ways[i] for i in kept])
-    found = world.check_motion(name, q[moves[:, 0]], q[moves[:, 1]], margin=margin, first=False)
-    return Roadmap(robot, q, moves[np.asarray(found.free, dtype=bool)], dt)
+        positions, reach = _positions(robot, ends, max_positions, rng, 2)
+        pairs = neighbor_pairs(positions, reach, NEIGHBORS)
+        chains = bool(np.isfinite(robot.drive.acceleration))
+        return Roadmap(robot, *heading_roadmap(check, ends, positions, pairs, chains), dt)
+    q = np.concatenate([ends, check.valid(_samples(robot, ends, max_positions, rng))])
+    edges = _nearest(robot, q)
+    if Steering.of(robot).way == "straight":
+        return Roadmap(robot, q, check.free_edges(q, edges), dt)
+    edges, paths = _steered(check, robot, q, edges, dt)
+    return Roadmap(robot, q, edges, dt, paths)
 
 
-def _places(
-    robot: Robot, ends: Floats, most: int, rng: np.random.Generator, d: int
+def _steered(
+    check: EdgeCheck, robot: Robot, q: Floats, edges: Ints, dt: float
+) -> tuple[Ints, list[Floats]]:
+    """Edges along the steering that are free and in the workspace, and their timed paths."""
+    paths = [steps_of(robot, legs(robot, q[a], q[b]), dt) for a, b in edges.tolist()]
+    inside = [bool(np.all(robot.valid(path))) for path in paths]  # arcs can leave the workspace
+    edges, paths = edges[inside], [path for path, ok in zip(paths, inside, strict=True) if ok]
+    free = check.free_paths(paths)
+    return edges[free], [paths[i] for i in free]
+
+
+def _positions(
+    robot: Robot, ends: Floats, max_positions: int, rng: np.random.Generator, d: int
 ) -> tuple[Floats, float]:
-    """Places (n, d), those of the ends first, and how far neighbors are (m)."""
-    expected = np.unique(ends[:, :d], axis=0)
+    """Positions (n, d), those of the ends first, and the distance of neighbors (m)."""
+    at_ends = np.unique(ends[:, :d], axis=0)
     rest = robot.rest[None]
-    size = 2.0 * float(Balls(robot).around(rest, rest)[1][0])
-    room = box(robot, expected, size)
-    step = pitch(room, size, most, FINE * (PLACES / most) ** (1.0 / d))
-    return np.concatenate([expected, apart(lattice(room, step, rng), expected, step)]), REACH * step
+    size = 2.0 * float(BoundingSpheres(robot).of_motions(rest, rest)[1][0])
+    box = sampling_box(robot, at_ends, size)
+    fine = FINE * (MAX_POSITIONS / max_positions) ** (1.0 / d)
+    pitch = lattice_pitch(box, size, max_positions, fine)
+    points = apart(lattice(box, pitch, rng), at_ends, pitch)
+    return np.concatenate([at_ends, points]), REACH * pitch
 
 
-def _samples(robot: Robot, ends: Floats, most: int, rng: np.random.Generator) -> Floats:
-    """Configurations (n, nq): bases on a lattice, orientations as at the ends; else random."""
+def _samples(robot: Robot, ends: Floats, max_positions: int, rng: np.random.Generator) -> Floats:
+    """Configurations (n, nq): lattice positions with the ends' orientations; random for arms."""
     if robot.base == "fixed" or robot.moving_joints:
-        return robot.random(rng, most)
+        return robot.random(rng, max_positions)
     d = 2 if robot.base == "planar" else 3
-    places, _ = _places(robot, ends, most if d == 2 else most // 2, rng, d)
-    places = places[len(np.unique(ends[:, :d], axis=0)) :]
-    headings = ends[np.unique(np.round(ends[:, d:], 6), axis=0, return_index=True)[1], d:]
+    count = max_positions if d == 2 else max_positions // 2
+    positions, _ = _positions(robot, ends, count, rng, d)
+    positions = positions[len(np.unique(ends[:, :d], axis=0)) :]
+    turns = ends[np.unique(np.round(ends[:, d:], 6), axis=0, return_index=True)[1], d:]
     if isinstance(robot.drive, Car):
-        headings = np.linspace(-np.pi, np.pi, 8, endpoint=False)[:, None]
-    if len(headings) > 2:
-        return np.concatenate([places, headings[rng.integers(len(headings), size=len(places))]], 1)
-    return np.concatenate(
-        [np.repeat(places, len(headings), 0), np.tile(headings, (len(places), 1))], 1
-    )
+        turns = np.linspace(-np.pi, np.pi, 8, endpoint=False)[:, None]
+    if len(turns) > 2:
+        return np.concatenate([positions, turns[rng.integers(len(turns), size=len(positions))]], 1)
+    pairs = np.repeat(positions, len(turns), 0), np.tile(turns, (len(positions), 1))
+    return np.concatenate(pairs, axis=1)
 
 
 def _nearest(robot: Robot, q: Floats) -> Ints:
-    """Directed moves (m, 2) between each of q (n, nq) and its nearest, both ways."""
+    """Directed edges (m, 2) between each of q (n, nq) and its nearest neighbors, both ways."""
     gaps = np.asarray(robot.distance(q[:, None], q[None]))
     np.fill_diagonal(gaps, np.inf)
-    near = np.argsort(gaps, axis=1, kind="stable")[:, :NEAREST]
+    near = np.argsort(gaps, axis=1, kind="stable")[:, :NEIGHBORS]
     out = np.stack([np.repeat(np.arange(len(q)), near.shape[1]), near.ravel()], axis=1)
     return np.unique(np.concatenate([out, out[:, ::-1]]), axis=0)
-
-
-def _free(world: World, name: str, ways: list[Floats], margin: float) -> Ints:
-    """Places of those ways (k+1, nq) that are proved free all along."""
-    ends = np.cumsum([len(way) - 1 for way in ways])
-    here, there = np.concatenate([w[:-1] for w in ways]), np.concatenate([w[1:] for w in ways])
-    found = world.check_motion(name, here, there, margin=margin, first=False)
-    parts = np.split(np.asarray(found.free, dtype=bool), ends[:-1])
-    return np.flatnonzero([part.all() for part in parts])

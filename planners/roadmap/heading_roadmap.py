@@ -1,7 +1,7 @@
-"""Roadmap of a differential drive: it drives straight between places, and turns on the spot.
+"""Roadmap of a differential drive: edges drive straight between positions, or turn in place.
 
-At each place it may head along any way to a neighbor, forwards or backwards, so that a vertex is a
-place with a heading, and a move either drives or turns.
+At each position the robot can face along any line to a neighbor, forwards or backwards. A vertex is
+a position with a heading.
 """
 
 from __future__ import annotations
@@ -10,116 +10,104 @@ import numpy as np
 
 from fgenv import _core
 from fgenv.arrays import Flags, Floats, Ints
-from fgenv.collision import World
 
-SAME = 1e-6  # radians: headings nearer than this are one
-CHAIN = 4  # drives in a line that may be one move
-CHAIN = 4  # drives in a line that may be one move
+from .edge_check import EdgeCheck
+
+SAME_HEADING = 1e-6  # radians
+CHAIN_LENGTH = 4  # collinear drives that one edge can join
 
 
-class Headings:
-    """Vertices (place, heading) by number, as they come."""
+class HeadingVertices:
+    """Numbered vertices (position, heading); headings within 1e-6 rad are the same."""
 
-    def __init__(self, ends: Floats) -> None:
+    def __init__(self) -> None:
         self.q: list[tuple[float, float, float]] = []
-        self.place: list[int] = []
+        self.position: list[int] = []
         self._number: dict[tuple[int, int], int] = {}
-        self.ends = ends
 
-    def at(self, place: int, q: tuple[float, float, float]) -> int:
-        """The vertex at a place with the heading of q, which is added if it is not there."""
-        turns = round(2 * np.pi / SAME)
-        key = place, round(q[2] / SAME) % turns
-        for near in (key, (place, (key[1] + 1) % turns), (place, (key[1] - 1) % turns)):
+    def add(self, position: int, q: tuple[float, float, float]) -> int:
+        """Number of the vertex with q's heading at a position; a new vertex if there is none."""
+        turn = round(2 * np.pi / SAME_HEADING)
+        key = position, round(q[2] / SAME_HEADING) % turn
+        for near in (key, (position, (key[1] + 1) % turn), (position, (key[1] - 1) % turn)):
             if near in self._number:
                 return self._number[near]
         self._number[key] = len(self.q)
         self.q.append(q)
-        self.place.append(place)
+        self.position.append(position)
         return self._number[key]
 
 
-def expanded(
-    world: World,
-    name: str,
-    ends: Floats,
-    places: Floats,
-    pairs: Ints,
-    margin: float,
-    chains: bool = False,
+def heading_roadmap(
+    check: EdgeCheck, ends: Floats, positions: Floats, pairs: Ints, chains: bool = False
 ) -> tuple[Floats, Ints]:
-    """Vertices (n, 3), the ends (k, 3) first, and proved moves (m, 2) between them.
+    """Vertices (n, 3), the ends (k, 3) first, and certified edges (m, 2) between them.
 
     Args:
-        world: with the robot of that name, and all that stands.
         ends: starts and goals, all different.
-        places: (p, 2); those of the ends are among them.
-        pairs: (m, 2), places that it may drive between.
-        chains: drives in a line are also one move each, without a stop.
+        positions: (p, 2); they include the positions of the ends.
+        pairs: (m, 2), positions between which the robot may drive.
+        chains: add edges for collinear drives, without a stop in between.
     """
-    known = {tuple(place): i for i, place in enumerate(places.tolist())}
-    vertices = Headings(ends)
-    for q in ends.tolist():
-        vertices.at(known[q[0], q[1]], (q[0], q[1], q[2]))
+    vertices = HeadingVertices()
+    numbers = {tuple(position): i for i, position in enumerate(positions.tolist())}
+    for x, y, yaw in ends.tolist():
+        vertices.add(numbers[x, y], (x, y, yaw))
+    edges = _drives(vertices, positions, pairs)
+    q = np.array(vertices.q)
+    drives = check.free_edges(q, edges)
+    turns = _turns(check, q, np.array(vertices.position), drives, len(ends))
+    if chains:
+        drives = _chained(drives.tolist())
+    return q, np.concatenate([drives, drives[:, ::-1], turns])
+
+
+def _drives(vertices: HeadingVertices, positions: Floats, pairs: Ints) -> Ints:
+    """Edges (m, 2) that drive between pairs of positions, forwards and backwards."""
     drives = []
     for a, b in pairs.tolist():
-        (ax, ay), (bx, by) = places[a].tolist(), places[b].tolist()
+        (ax, ay), (bx, by) = positions[a].tolist(), positions[b].tolist()
         ahead = _core.arc_tangent(by - ay, bx - ax)
         for yaw in (ahead, ahead - np.pi if ahead > 0 else ahead + np.pi):
-            drives.append((vertices.at(a, (ax, ay, yaw)), vertices.at(b, (bx, by, yaw))))
-    q = np.array(vertices.q)
-    driven = _proved(world, name, q, np.array(drives, dtype=np.int64).reshape(-1, 2), margin)
-    turns = _turns(world, name, q, vertices, margin, driven)
-    long = _chained(driven.tolist()) if chains else driven
-    return q, np.concatenate([long, long[:, ::-1], turns])
+            drives.append((vertices.add(a, (ax, ay, yaw)), vertices.add(b, (bx, by, yaw))))
+    return np.array(drives, dtype=np.int64).reshape(-1, 2)
 
 
-def _chained(driven: list[list[int]]) -> Ints:
-    """Drives, and drives on along the same line: at one vertex heading and heading on are one."""
-    on: dict[int, list[int]] = {}
-    for a, b in driven:
-        on.setdefault(a, []).append(b)
-    found = {(a, b) for a, b in driven}
-    last = found
-    for _ in range(CHAIN - 1):
-        last = {(a, c) for a, b in last for c in on.get(b, ())} - found
-        found |= last
-    return np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
+def _chained(drives: list[list[int]]) -> Ints:
+    """Drives, and their compositions along one line; the heading is the same at each vertex."""
+    successors: dict[int, list[int]] = {}
+    for a, b in drives:
+        successors.setdefault(a, []).append(b)
+    chains = {(a, b) for a, b in drives}
+    longest = chains
+    for _ in range(CHAIN_LENGTH - 1):
+        longest = {(a, c) for a, b in longest for c in successors.get(b, ())} - chains
+        chains |= longest
+    return np.array(sorted(chains), dtype=np.int64).reshape(-1, 2)
 
 
-def _turns(
-    world: World, name: str, q: Floats, vertices: Headings, margin: float, driven: Ints
-) -> Ints:
-    """Proved turns between the headings of each place; (m, 2)."""
-    used = np.unique(np.concatenate([driven.ravel(), np.arange(len(vertices.ends))]))
-    place = np.array(vertices.place)[used]
-    order = np.argsort(place, kind="stable")
-    used, place = used[order], place[order]
-    groups = np.split(used, np.flatnonzero(np.diff(place)) + 1)
-    spins = _spins(world, name, q[[g[0] for g in groups]], margin)
-    sure: list[Ints] = []
-    doubtful: list[Ints] = []
+def _turns(check: EdgeCheck, q: Floats, positions: Ints, drives: Ints, ends: int) -> Ints:
+    """Certified turns (m, 2) between the headings of each position.
+
+    Args:
+        positions: (n,), of each vertex.
+        ends: number of the first vertices that keep their turns without drives.
+    """
+    used = np.unique(np.concatenate([drives.ravel(), np.arange(ends)]))
+    used = used[np.argsort(positions[used], kind="stable")]
+    groups = np.split(used, np.flatnonzero(np.diff(positions[used])) + 1)
+    spins = _full_turns(check, q[[group[0] for group in groups]])
+    none = np.zeros((0, 2), dtype=np.int64)
+    free, unsure = [none], [none]
     for group, spin in zip(groups, spins.tolist(), strict=True):
         a, b = np.meshgrid(group, group, indexing="ij")
         both = np.stack([a.ravel(), b.ravel()], axis=1)
-        (sure if spin else doubtful).append(both[both[:, 0] != both[:, 1]])
-    none = np.zeros((0, 2), dtype=np.int64)
-    return np.concatenate(
-        [none, *sure, _proved(world, name, q, np.concatenate([none, *doubtful]), margin)]
-    )
+        (free if spin else unsure).append(both[both[:, 0] != both[:, 1]])
+    return np.concatenate([*free, check.free_edges(q, np.concatenate(unsure))])
 
 
-def _spins(world: World, name: str, q: Floats, margin: float) -> Flags:
-    """Whether a whole turn is free at each of q (n, 3)."""
+def _full_turns(check: EdgeCheck, q: Floats) -> Flags:
+    """Whether a full turn in place is certified free at each of q (n, 3)."""
     third = np.array([0.0, 0.0, 2 * np.pi / 3])
     ends = q + third * np.arange(4)[:, None, None]  # (4, n, 3)
-    found = world.check_motion(name, ends[:-1], ends[1:], margin=margin, first=False)
-    return np.asarray(np.asarray(found.free, dtype=bool).all(0))
-
-
-def _proved(world: World, name: str, q: Floats, moves: Ints, margin: float) -> Ints:
-    if not len(moves):
-        return moves
-    found = world.check_motion(name, q[moves[:, 0]], q[moves[:, 1]], margin=margin, first=False)
-    kept: Ints = moves[np.asarray(found.free, dtype=bool)]
-    return kept
+    return np.asarray(check.free(ends[:-1], ends[1:]).all(0))

@@ -1,4 +1,4 @@
-"""Where a roadmap's places are: an even lattice of a workspace, or random configurations."""
+"""Positions of a roadmap's vertices: an even lattice, and pairs of neighbors in it."""
 
 from __future__ import annotations
 
@@ -10,55 +10,57 @@ import numpy as np
 from fgenv.arrays import Floats, Ints
 from fgenv.robots import Robot
 
-NEARER = 0.4  # of a lattice's pitch: places nearer than this to one that is expected are left out
-ROOM = 3.0  # robots' sizes that are left around starts and goals where there is no workspace
+MIN_GAP = 0.4  # of the pitch: lattice points nearer than this to a start or goal are left out
+MARGIN = 3.0  # robot sizes around starts and goals, for robots without a workspace
 
 
-def box(robot: Robot, ends: Floats, size: float) -> Floats:
-    """Lowest and highest position (2, d) of a base: its workspace, or around ends (n, d)."""
+def sampling_box(robot: Robot, ends: Floats, size: float) -> Floats:
+    """Lowest and highest base position (2, d): the workspace, or a box around ends (n, d)."""
     if robot.workspace is not None:
         return np.asarray(robot.workspace)
-    reach = ROOM * size + np.ptp(ends, axis=0).max()
+    reach = MARGIN * size + np.ptp(ends, axis=0).max()
     return np.stack([ends.min(0) - reach, ends.max(0) + reach])
 
 
-def pitch(room: Floats, size: float, most: int, fine: float = 1.0) -> float:
-    """Meters between places, for robots of a size (diameter, m), no more than `most` places.
+def lattice_pitch(box: Floats, size: float, max_points: int, fine: float = 1.0) -> float:
+    """Meters between the points of a lattice in a box (2, d) with at most `max_points` points.
 
-    Two robots just fit at two places; `fine` times as much at least.
+    Args:
+        size: diameter of the robot, meters.
+        fine: least pitch, relative to that at which two robots just fit at neighboring points.
     """
-    sides = np.maximum(room[1] - room[0], size)
-    even: float = float(np.prod(sides) / most) ** (1.0 / len(sides))
+    sides = np.maximum(box[1] - box[0], size)
+    even: float = float(np.prod(sides) / max_points) ** (1.0 / len(sides))
     return max(1.05 * fine * size, even)
 
 
-def lattice(room: Floats, step: float, rng: np.random.Generator) -> Floats:
-    """Positions (n, d), `step` meters apart, filling a room evenly; which ones, chance decides."""
-    sides = room[1] - room[0]
-    counts = [max(1, math.floor(side / step)) for side in sides]
-    shift = rng.uniform(0.25, 0.75, len(sides))  # of what is left of a pitch at either end
-    lines = [
-        low + k * (side - (n - 1) * step) + step * np.arange(n)
-        for low, side, n, k in zip(room[0], sides, counts, shift, strict=True)
+def lattice(box: Floats, pitch: float, rng: np.random.Generator) -> Floats:
+    """Points (n, d) of a lattice that fills a box (2, d) evenly, with a random offset."""
+    sides = box[1] - box[0]
+    counts = [max(1, math.floor(side / pitch)) for side in sides]
+    offset = rng.uniform(0.25, 0.75, len(sides))  # of the rest of each side
+    axes = [
+        low + k * (side - (n - 1) * pitch) + pitch * np.arange(n)
+        for low, side, n, k in zip(box[0], sides, counts, offset, strict=True)
     ]
-    return np.array(list(itertools.product(*lines))).reshape(-1, len(sides))
+    return np.array(list(itertools.product(*axes))).reshape(-1, len(sides))
 
 
-def apart(places: Floats, expected: Floats, step: float) -> Floats:
-    """Those of places (n, d) that are not too near to the expected ones (m, d)."""
-    if not len(expected) or not len(places):
-        return places
-    gaps = ((places[:, None] - expected) ** 2).sum(-1).min(1)
-    kept: Floats = places[gaps > (NEARER * step) ** 2]
+def apart(points: Floats, ends: Floats, pitch: float) -> Floats:
+    """Points (n, d) of a lattice without those that are too near to ends (m, d)."""
+    if not len(ends) or not len(points):
+        return points
+    gaps = ((points[:, None] - ends) ** 2).sum(-1).min(1)
+    kept: Floats = points[gaps > (MIN_GAP * pitch) ** 2]
     return kept
 
 
-def neighbors(places: Floats, reach: float, most: int) -> Ints:
-    """Pairs (m, 2), rising, of places (n, d) within reach (m), each with its `most` nearest."""
+def neighbor_pairs(points: Floats, reach: float, k: int) -> Ints:
+    """Sorted pairs (m, 2) of each point of (n, d) and its k nearest within reach (m)."""
     pairs: set[tuple[int, int]] = set()
-    for i, place in enumerate(places):
-        gaps = ((places - place) ** 2).sum(1)
+    for i, point in enumerate(points):
+        gaps = ((points - point) ** 2).sum(1)
         gaps[i] = np.inf
-        near = np.argsort(gaps, kind="stable")[:most]
+        near = np.argsort(gaps, kind="stable")[:k]
         pairs.update((min(i, j), max(i, j)) for j in near[gaps[near] <= reach * reach].tolist())
     return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)

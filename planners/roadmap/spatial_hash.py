@@ -1,59 +1,55 @@
-"""Who comes near a vertex, or near the moves that leave it: by cells of the floor, cheaply."""
+"""Spatial hash: square cells of the xy plane, for a cheap test of which spheres can be near."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
 from fgenv.arrays import Floats, Ints
 
-if TYPE_CHECKING:
-    from fgenv.planners.sipp.dynamic_obstacles import Other
+STRIDE = 1 << 20  # cells along y
 
-    from .roadmap import Roadmap
-
-SPAN = 1 << 20  # cells along y
+Neighborhood = tuple[int, int]  # a cell, and a reach around it in cell sides
 
 
-class Cells:
-    """For a roadmap's vertices and moves, those of the others that may be near; all of them."""
+class RoadmapCells(NamedTuple):
+    """Side of a cell (m), and the neighborhood of each vertex and each edge of a roadmap."""
 
-    def __init__(self, roadmap: Roadmap, others: Sequence[Other]) -> None:
-        self._others = others
-        self._side, self._vertices, self._moves = roadmap.cells
-        self._found: dict[tuple[int, int], list[Other]] = {}
+    side: float
+    vertices: list[Neighborhood]
+    edges: list[Neighborhood]
 
-    def of_vertex(self, v: int) -> list[Other]:
-        """Of one who waits at v."""
-        return self._those(self._vertices[v])
-
-    def of_move(self, e: int) -> list[Other]:
-        """Of one who makes move e."""
-        return self._those(self._moves[e])
-
-    def _those(self, at: tuple[int, int]) -> list[Other]:
-        if at not in self._found:
-            cell, reach = at
-            near = self._side * reach
-            self._found[at] = [o for o in self._others if cell in o.cells(self._side, near)]
-        return self._found[at]
+    @classmethod
+    def from_spheres(
+        cls, vertices: tuple[Floats, Floats], edges: tuple[Floats, Floats]
+    ) -> RoadmapCells:
+        """Cells for the bounding spheres, centers (n, 3) and radii (n,), of vertices and edges."""
+        side = float(vertices[1].max())
+        reach = np.ceil(edges[1] / side + 1e-6).astype(np.int64).tolist()
+        at_edges = zip(cells_at(edges[0], side).tolist(), reach, strict=True)
+        return cls(side, [(c, 1) for c in cells_at(vertices[0], side).tolist()], list(at_edges))
 
 
-def covered(center: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:
-    """Cells from where a ball of that reach (m) may overlap one of the balls (n, 3), (n,)."""
+def cells_at(center: Floats, side: float) -> Ints:
+    """Numbers (n,) of the cells that contain points (n, 3)."""
+    cell = np.floor(center[:, :2] / side).astype(np.int64)
+    return np.asarray(cell[:, 0] * STRIDE + cell[:, 1])
+
+
+def cells_near(center: Floats, radius: Floats, side: float, reach: float) -> frozenset[int]:
+    """Numbers of the cells where a sphere of radius `reach` (m) can overlap one of the spheres.
+
+    Args:
+        center, radius: (n, 3) and (n,), meters.
+        side: of a cell, meters.
+        reach: meters.
+    """
     wide = (radius + reach)[:, None]
     low = np.floor((center[:, :2] - wide) / side).astype(np.int64)
     high = np.floor((center[:, :2] + wide) / side).astype(np.int64)
-    most = (high - low).max(0) + 1
-    x = low[:, :1] + np.arange(most[0])
-    y = low[:, 1:] + np.arange(most[1])
+    count = (high - low).max(0) + 1
+    x = low[:, :1] + np.arange(count[0])
+    y = low[:, 1:] + np.arange(count[1])
     x, y = np.minimum(x, high[:, :1]), np.minimum(y, high[:, 1:])
-    return frozenset(np.unique(x[:, :, None] * SPAN + y[:, None]).tolist())
-
-
-def numbers(center: Floats, side: float) -> Ints:
-    """The cells that points (n, 3) are in, (n,)."""
-    at = np.floor(center[:, :2] / side).astype(np.int64)
-    return np.asarray(at[:, 0] * SPAN + at[:, 1])
+    return frozenset(np.unique(x[:, :, None] * STRIDE + y[:, None]).tolist())

@@ -1,1 +1,1 @@
-"""Safe interval path planning among moving robots."""
+"""Safe interval path planning (SIPP) among dynamic obstacles, on a roadmap."""

@@ -1,4 +1,4 @@
-"""Another robot's timed path, as a robot of a kind meets it on its roadmap; found out on demand."""
+"""Dynamic obstacles: timed paths of other robots, as obstacles on a robot's roadmap."""
 
 from __future__ import annotations
 
@@ -7,104 +7,118 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fgenv.arrays import Flags, Floats, Ints
-from fgenv.planners.multi.pair_cache import Meetings
-from fgenv.planners.roadmap.motion_table import GONE
+from fgenv.planners.roadmap.motion_table import ABSENT
+from fgenv.planners.roadmap.pair_cache import PairCache
 from fgenv.planners.roadmap.roadmap import INF, Roadmap
-from fgenv.planners.roadmap.spatial_hash import covered
+from fgenv.planners.roadmap.spatial_hash import cells_near
 
-from .unsafe_intervals import Doubts
-
-Range = tuple[int, int]  # first and last, both within
+from .intervals import Interval
+from .unsafe_intervals import UnsafeStarts
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
-    """What a robot does in each step, (k,), and then for ever (GONE: it is not there)."""
+class TimedPath:
+    """Motions of a robot in each step, (k,), and its motion in all later steps (or ABSENT)."""
 
     kind: int
-    steps: Ints
+    motions: Ints
     rest: int
-    seen: dict[int, Other] = field(default_factory=dict)  # by the kind of who meets it
+    obstacles: dict[int, DynamicObstacle] = field(default_factory=dict)  # by kind of the robot
 
 
-class Other:
-    """Entries: he makes step `steps[n]` in each of the steps `first[n]` to `last[n]` of time."""
+class DynamicObstacle:
+    """A timed path as an obstacle for one kind of robot; unsafe intervals are computed on demand.
 
-    def __init__(self, meetings: Meetings, kind: int, roadmap: Roadmap, timed: Timed) -> None:
-        self.meetings, self.kind, self.roadmap, self.timed = meetings, kind, roadmap, timed
-        steps = timed.steps if timed.rest == GONE else np.append(timed.steps, timed.rest)
-        begin = np.flatnonzero(np.diff(steps, prepend=-1))
-        end = np.append(begin, len(steps))[1:] - 1
-        if timed.rest != GONE:
-            end[-1] = INF
-        table = meetings.steps[timed.kind]
-        self.steps, self.first, self.last = steps[begin], begin, end
-        self.still: Flags = (table.q0[self.steps] == table.q1[self.steps]).all(1)
-        self.center, self.radius = table.center[self.steps], table.radius[self.steps]
+    Entry n of the path: the obstacle makes motion `motions[n]` in the steps `first[n]` to
+    `last[n]`.
+    """
+
+    def __init__(self, pairs: PairCache, kind: int, roadmap: Roadmap, path: TimedPath) -> None:
+        self.pairs, self.kind, self.roadmap, self.path = pairs, kind, roadmap, path
+        self.motions, self.first, self.last = _entries(path)
+        table = pairs.tables[path.kind]
+        self.still: Flags = (table.q0[self.motions] == table.q1[self.motions]).all(1)
+        self.center, self.radius = table.center[self.motions], table.radius[self.motions]
         self._middle = self.center.mean(0)
-        self._at = self.center - self._middle
-        self._squares = (self._at**2).sum(1)
-        rounding = 1e-6 * (1.0 + float(self.radius.max()))  # meters, of the squares
-        self._reach = self.radius + meetings.margin + rounding
+        self._offset = self.center - self._middle
+        self._squares = (self._offset**2).sum(1)
+        rounding = 1e-6 * (1.0 + float(self.radius.max()))  # meters, of the squared distances
+        self._reach = self.radius + pairs.margin + rounding
         self._cells: dict[tuple[float, float], frozenset[int]] = {}
-        self._waits: dict[int, list[Range] | None] = {}
-        self._moves: dict[int, Doubts | None] = {}
+        self._at_vertex: dict[int, list[Interval]] = {}
+        self._on_edge: dict[int, UnsafeStarts | None] = {}
 
     def cells(self, side: float, reach: float) -> frozenset[int]:
-        """Cells from where a ball of that reach (m) may come near him, some time; see `covered`."""
+        """Cells where a sphere of radius `reach` (m) can come near the obstacle at some time."""
         key = side, reach
         if key not in self._cells:
-            wide = reach + self.meetings.margin
-            self._cells[key] = covered(self.center, self.radius, side, wide)
+            wide = reach + self.pairs.margin
+            self._cells[key] = cells_near(self.center, self.radius, side, wide)
         return self._cells[key]
 
-    def waits(self, v: int) -> list[Range] | None:
-        """Ranges of steps in which waiting at vertex v is not safe; None: it always is."""
-        if v not in self._waits:
-            b = self._near(np.array([v]))[1]
-            met = b[self.meetings.meet_near(self.kind, np.full(len(b), v), *self._theirs(b))]
-            ranges = zip(self.first[met].tolist(), self.last[met].tolist(), strict=True)
-            self._waits[v] = list(ranges) or None
-        return self._waits[v]
+    def unsafe_at_vertex(self, v: int) -> list[Interval]:
+        """Intervals of steps in which waiting at vertex v is unsafe."""
+        if v not in self._at_vertex:
+            entries = self._near(np.array([v]))[1]
+            waits = np.full(len(entries), v)
+            hit = entries[self._collide(waits, entries)]
+            intervals = zip(self.first[hit].tolist(), self.last[hit].tolist(), strict=True)
+            self._at_vertex[v] = list(intervals)
+        return self._at_vertex[v]
 
-    def moves(self, e: int) -> Doubts | None:
-        """When beginning move e may not be safe; None: it always is."""
-        if e not in self._moves:
-            self._moves[e] = self._doubts(self.roadmap.numbers(e))
-        return self._moves[e]
+    def unsafe_starts(self, e: int) -> UnsafeStarts | None:
+        """Instants at which starting edge e is unsafe; None if it is always safe."""
+        if e not in self._on_edge:
+            self._on_edge[e] = self._unsafe_starts(self.roadmap.edge_motions(e))
+        return self._on_edge[e]
 
-    def _doubts(self, mine: Ints) -> Doubts | None:
-        a, b, squares = self._near(mine)
-        if not len(a):
+    def _unsafe_starts(self, edge: Ints) -> UnsafeStarts | None:
+        places, entries, squares = self._near(edge)
+        if not len(places):
             return None
-        first, still = self.first[b] - a, self.still[b]
-        pairs = mine[a], *self._theirs(b)
-        blocked = []
-        if still.any():
-            met = still.copy()
-            met[still] = self.meetings.meet_near(
-                self.kind, pairs[0][still], pairs[1], pairs[2][still]
-            )
-            last = np.where(self.last[b] == INF, INF, self.last[b] - a)
-            ranges = zip(first[met].tolist(), last[met].tolist(), strict=True)
-            blocked = [r for r in ranges if r[1] >= 0]
+        start, still = self.first[entries] - places, self.still[entries]
+        blocked = self._blocked(edge, places[still], entries[still])
         moving = np.flatnonzero(~still)
-        moving = moving[np.lexsort((squares[moving], first[moving]))]
+        moving = moving[np.lexsort((squares[moving], start[moving]))]
         if not blocked and not len(moving):
             return None
-        rows = first[moving], pairs[0][moving], pairs[2][moving]
-        return Doubts(self.meetings, (self.kind, self.timed.kind), blocked, *rows)
+        rows = start[moving], edge[places[moving]], self.motions[entries[moving]]
+        return UnsafeStarts(self.pairs, (self.kind, self.path.kind), blocked, *rows)
 
-    def _theirs(self, entries: Ints) -> tuple[int, Ints]:
-        return self.timed.kind, self.steps[entries]
+    def _blocked(self, edge: Ints, places: Ints, entries: Ints) -> list[Interval]:
+        """Start instants at which the edge collides with entries in which the obstacle rests."""
+        if not len(entries):
+            return []
+        hit = self._collide(edge[places], entries)
+        places, entries = places[hit], entries[hit]
+        first = self.first[entries] - places
+        last = np.where(self.last[entries] == INF, INF, self.last[entries] - places)
+        intervals = zip(first.tolist(), last.tolist(), strict=True)
+        return [interval for interval in intervals if interval[1] >= 0]
 
-    def _near(self, mine: Ints) -> tuple[Ints, Ints, Floats]:
-        """Places in `mine`, of steps, and entries, whose balls overlap, and their middles' squared
-        distances (m^2): arrays (n,)."""
-        table = self.roadmap.steps
-        a, b = table.center[mine] - self._middle, self._at
+    def _collide(self, own: Ints, entries: Ints) -> Flags:
+        return self.pairs.collide_near(self.kind, own, self.path.kind, self.motions[entries])
+
+    def _near(self, own: Ints) -> tuple[Ints, Ints, Floats]:
+        """Pairs of a robot's motion and an entry whose bounding spheres overlap.
+
+        Returns:
+            Places in `own`, entries, and squared distances of the centers (m^2); (n,) each.
+        """
+        table = self.roadmap.motions
+        a, b = table.center[own] - self._middle, self._offset
         squares = (a * a).sum(1)[:, None] + self._squares
         squares -= 2.0 * (a @ b.T)
-        reach = table.radius[mine][:, None] + self._reach
-        one, two = np.nonzero(squares <= reach * reach)
-        return one, two, squares[one, two]
+        reach = table.radius[own][:, None] + self._reach
+        places, entries = np.nonzero(squares <= reach * reach)
+        return places, entries, squares[places, entries]
+
+
+def _entries(path: TimedPath) -> tuple[Ints, Ints, Ints]:
+    """Runs of equal motions: the motion, its first step and its last step, (n,) each."""
+    motions = path.motions if path.rest == ABSENT else np.append(path.motions, path.rest)
+    first = np.flatnonzero(np.diff(motions, prepend=-1))
+    last = np.append(first, len(motions))[1:] - 1
+    if path.rest != ABSENT:
+        last[-1] = INF
+    return motions[first], first, last

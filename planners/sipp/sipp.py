@@ -1,8 +1,8 @@
-"""Safe interval path planning: the soonest timed path of one robot among others that move.
+"""Safe interval path planning: the earliest timed path of one robot among dynamic obstacles.
 
-M. Phillips and M. Likhachev, "SIPP: Safe interval path planning for dynamic environments", 2011. A
-state is a vertex and one of its safe intervals; of all ways into it the soonest is best, for one
-may wait.
+M. Phillips and M. Likhachev, "SIPP: Safe interval path planning for dynamic environments", ICRA
+2011. A search state is a vertex and one of its safe intervals. The earliest arrival dominates all
+others, since the robot can wait within the interval.
 """
 
 from __future__ import annotations
@@ -12,71 +12,76 @@ from bisect import bisect_left
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from operator import itemgetter
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from fgenv.arrays import Ints
-from fgenv.planners.roadmap.roadmap import FAR, INF, Roadmap
+from fgenv.planners.roadmap.roadmap import INF, UNREACHABLE, Roadmap
 
-from .safe_intervals import Range
+from .intervals import Interval, SafeIntervals
 
-LOOK = 64  # states between two looks at the clock
+CLOCK_PERIOD = 64  # states between two reads of the clock
+WAIT = -1  # edge of an action that waits
+ANY = -1  # interval of a queue entry that is not yet divided by the safe intervals of its vertex
 
-
-class Safe(Protocol):
-    """When one may wait at a vertex, and first begin a move; see `Traffic`."""
-
-    def waits(self, v: int) -> list[Range]: ...
-    def first(self, e: int, low: int, high: int) -> int: ...
+# f, cost to go, parent node, edge, vertex, its interval, earliest and latest start of the edge
+Entry = tuple[float, int, int, int, int, int, int, int]
 
 
 @dataclass(frozen=True)
 class Action:
-    """A move, or a wait: from vertex `tail` to `head`, its first step's number, when, how long."""
+    """An edge from vertex `tail` to `head`, or a wait.
 
-    move: int  # -1: a wait
+    Attributes:
+        edge: number of the edge, or WAIT.
+        motion: number of its first motion.
+        start: instant.
+        duration: steps.
+    """
+
+    edge: int
     tail: int
     head: int
-    step: int
+    motion: int
     start: int
-    length: int
+    duration: int
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
-    """What one robot does: actions one after the other, and the steps' numbers, (k,)."""
+class RoadmapPath:
+    """Timed path of one robot: consecutive actions, and the numbers of their motions, (k,)."""
 
     actions: tuple[Action, ...]
-    steps: Ints
+    motions: Ints
     goal: int
 
     @property
     def arrival(self) -> int:
-        """The instant of arrival at the goal, to stay."""
-        return len(self.steps)
+        """Instant at which the robot arrives at its goal for good."""
+        return len(self.motions)
 
 
 @dataclass
-class Effort:
-    """What searches took, and when they have to end."""
+class SearchBudget:
+    """Deadline of the searches, and counts of their work."""
 
     deadline: float = float("inf")
     expanded: int = 0
     searches: int = 0
 
-    def late(self) -> bool:
-        """Whether the time is up."""
+    def expired(self) -> bool:
+        """Whether the deadline has passed."""
         return time.monotonic() > self.deadline
 
 
-class Node(NamedTuple):
-    """A state: how it was reached, and when."""
+class SearchNode(NamedTuple):
+    """A state that was reached at instant t by an edge that started at instant `start`."""
 
     parent: int
     vertex: int
-    move: int
-    begin: int  # of the move
+    edge: int
+    start: int
     t: int
 
 
@@ -84,99 +89,152 @@ def sipp(
     roadmap: Roadmap,
     start: int,
     goal: int,
-    safe: Safe,
-    effort: Effort,
+    intervals: SafeIntervals,
+    budget: SearchBudget,
     *,
-    park: bool = True,
-    release: int = -1,
-    most: int = INF,
-    states: int = INF,
-    greed: float = 1.0,
-) -> Track | None:
-    """The soonest track from start, at instant 0, to the goal; None where there is none in time.
+    stay: bool = True,
+    earliest: int = 0,
+    latest: int = INF,
+    max_states: int = INF,
+    weight: float = 1.0,
+) -> RoadmapPath | None:
+    """Return the earliest path from start, at instant 0, to goal; None if the search finds none.
 
     Args:
-        park: it has to stay at the goal for ever, safely.
-        release: it must not arrive, to stay, before the instant after this.
-        most: tracks that arrive later than this are of no use.
-        states: it gives up after so many.
-        greed: over 1: what is nearer to the goal first; the track may take so many times as long.
+        start, goal: vertices.
+        stay: the robot stays at the goal for ever; else it vanishes there.
+        earliest, latest: instants between which the robot may arrive for good.
+        max_states: number of states after which the search gives up.
+        weight: factor of the heuristic (weighted A*); over 1, the path may take that many times
+            as long as the earliest.
     """
-    to_goal, goal_waits = roadmap.to(goal), safe.waits(goal)
-    effort.searches += 1
-    first = _interval(safe.waits(start), 0)
-    if to_goal[start] >= FAR or first is None or not goal_waits:
+    budget.searches += 1
+    cost_to_go, at_goal = roadmap.cost_to_go(goal)[start], intervals.at_vertex(goal)
+    first = _interval_at(intervals.at_vertex(start), 0)
+    if cost_to_go >= UNREACHABLE or first is None or not at_goal:
         return None
-    if park and goal_waits[-1][1] != INF:
+    if stay and at_goal[-1][1] != INF:
         return None
-    soonest = max(release + 1, goal_waits[-1][0] if park else 0)
-    nodes: list[Node] = []
-    best: dict[tuple[int, int], int] = {}
-    # f, steps left, node that it comes from, move, where to, its interval (-1: any), begin, end
-    left = to_goal[start]
-    heap = [(max(greed * left, soonest), left, -1, -1, start, first, 0, 0)]
-    while heap:
-        _, left, parent, e, v, i, begin, end = heappop(heap)
-        length = roadmap.lengths[e] if e >= 0 else 0
-        if i < 0:
-            there = safe.waits(v)
-            for j in range(bisect_left(there, begin + length, key=itemgetter(1)), len(there)):
-                a, b = max(begin, there[j][0] - length), min(end, there[j][1] - length)
-                if a > end:
-                    break
-                heappush(
-                    heap, (max(a + length + greed * left, soonest), left, parent, e, v, j, a, b)
-                )
+    earliest_end = max(earliest, at_goal[-1][0] if stay else 0)
+    search = _Search(roadmap, goal, intervals, weight, earliest, latest, earliest_end)
+    search.push(0, 0, cost_to_go, -1, WAIT, start, first, 0)
+    while search.queue:
+        entry = heappop(search.queue)
+        if entry[5] == ANY:
+            search.divide(entry)
             continue
-        mark = v, (i if v != goal or begin + length <= release else -1 - i)
-        if best.get(mark, INF) <= begin + length:
+        node = search.reach(entry)
+        if node is None:
             continue
-        soon = safe.first(e, begin, end) if e >= 0 else 0
-        if soon != begin:
-            if soon > begin and soon + length + left <= most:
-                again = max(soon + length + greed * left, soonest)
-                heappush(heap, (again, left, parent, e, v, i, soon, end))
-            continue
-        t = begin + length
-        best[mark] = t
-        number = len(nodes)
-        nodes.append(Node(parent, v, e, begin, t))
-        high = safe.waits(v)[i][1]
-        if v == goal and t > release and (not park or high == INF):
-            return _track(roadmap, nodes, goal)
-        effort.expanded += 1
-        if number >= states or (number % LOOK == 0 and effort.late()):
+        high = intervals.at_vertex(node.vertex)[entry[5]][1]
+        if node.vertex == goal and node.t >= earliest and (not stay or high == INF):
+            return _path(roadmap, search.nodes, goal)
+        budget.expanded += 1
+        number = len(search.nodes) - 1
+        if number >= max_states or (number % CLOCK_PERIOD == 0 and budget.expired()):
             return None
-        for e, head, length in roadmap.out[v]:
-            left = to_goal[head]
-            if t + length + left <= most:
-                heappush(
-                    heap,
-                    (max(t + length + greed * left, soonest), left, number, e, head, -1, t, high),
-                )
+        search.expand(number, high)
     return None
 
 
-def _interval(ranges: list[Range], t: int) -> int | None:
-    """Which of the ranges instant t is in."""
-    return next((i for i, (a, b) in enumerate(ranges) if a <= t <= b), None)
+class _Search:
+    """Open queue and closed states of one search."""
+
+    def __init__(
+        self,
+        roadmap: Roadmap,
+        goal: int,
+        intervals: SafeIntervals,
+        weight: float,
+        earliest: int,
+        latest: int,
+        earliest_end: int,
+    ) -> None:
+        self.roadmap, self.goal, self.intervals = roadmap, goal, intervals
+        self.weight, self.earliest, self.latest = weight, earliest, latest
+        self.earliest_end = earliest_end  # lower bound on the instant of arrival
+        self.cost_to_go = roadmap.cost_to_go(goal)
+        self.queue: list[Entry] = []
+        self.nodes: list[SearchNode] = []
+        self.reached: dict[tuple[int, int], int] = {}  # earliest instant of each state
+
+    def push(
+        self,
+        t: int,
+        start: int,
+        cost_to_go: int,
+        parent: int,
+        edge: int,
+        vertex: int,
+        interval: int,
+        end: int,
+    ) -> None:
+        """Add an entry that reaches its vertex at instant t."""
+        f = max(t + self.weight * cost_to_go, self.earliest_end)
+        heappush(self.queue, (f, cost_to_go, parent, edge, vertex, interval, start, end))
+
+    def divide(self, entry: Entry) -> None:
+        """Push an entry for each safe interval of the vertex that the edge can reach."""
+        _, cost_to_go, parent, edge, vertex, _, start, end = entry
+        duration = self.roadmap.durations[edge]
+        there = self.intervals.at_vertex(vertex)
+        for i in range(bisect_left(there, start + duration, key=itemgetter(1)), len(there)):
+            low, high = max(start, there[i][0] - duration), min(end, there[i][1] - duration)
+            if low > end:
+                break
+            self.push(low + duration, low, cost_to_go, parent, edge, vertex, i, high)
+
+    def reach(self, entry: Entry) -> SearchNode | None:
+        """Close the state of an entry, if the edge can start at once; else push it again."""
+        _, cost_to_go, parent, edge, vertex, interval, start, end = entry
+        t = start + (self.roadmap.durations[edge] if edge >= 0 else 0)
+        # At the goal, states before and after the earliest arrival are different.
+        state = vertex, (interval if vertex != self.goal or t < self.earliest else -1 - interval)
+        if self.reached.get(state, INF) <= t:
+            return None
+        safe = self.intervals.first_start(edge, start, end) if edge >= 0 else 0
+        if safe != start:
+            t += safe - start
+            if safe > start and t + cost_to_go <= self.latest:
+                self.push(t, safe, cost_to_go, parent, edge, vertex, interval, end)
+            return None
+        self.reached[state] = t
+        node = SearchNode(parent, vertex, edge, start, t)
+        self.nodes.append(node)
+        return node
+
+    def expand(self, number: int, high: int) -> None:
+        """Push the edges that leave a node, which can start until instant `high`."""
+        node = self.nodes[number]
+        for edge, head, duration in self.roadmap.successors[node.vertex]:
+            cost_to_go = self.cost_to_go[head]
+            t = node.t + duration
+            if t + cost_to_go <= self.latest:
+                self.push(t, node.t, cost_to_go, number, edge, head, ANY, high)
 
 
-def _track(roadmap: Roadmap, nodes: list[Node], goal: int) -> Track:
-    """What leads to the last node."""
+def _interval_at(intervals: list[Interval], t: int) -> int | None:
+    """Place of the interval that contains instant t."""
+    return next((i for i, (low, high) in enumerate(intervals) if low <= t <= high), None)
+
+
+def _path(roadmap: Roadmap, nodes: list[SearchNode], goal: int) -> RoadmapPath:
+    """Path to the last node."""
     actions: list[Action] = []
     node = nodes[-1]
     while node.parent >= 0:
-        before, length = nodes[node.parent], node.t - node.begin
-        step = roadmap.first(node.move)
-        actions.append(Action(node.move, before.vertex, node.vertex, step, node.begin, length))
-        if node.begin > before.t:
-            u, t = before.vertex, before.t
-            actions.append(Action(-1, u, u, u, t, node.begin - t))
+        before, duration = nodes[node.parent], node.t - node.start
+        tail, motion = before.vertex, roadmap.first_motion(node.edge)
+        actions.append(Action(node.edge, tail, node.vertex, motion, node.start, duration))
+        if node.start > before.t:
+            actions.append(Action(WAIT, tail, tail, tail, before.t, node.start - before.t))
         node = before
     actions.reverse()
-    steps = [
-        np.full(a.length, a.step) if a.move < 0 else np.arange(a.step, a.step + a.length)
+    motions = [np.zeros(0, dtype=np.int64)]
+    motions += [
+        np.full(a.duration, a.motion)
+        if a.edge == WAIT
+        else np.arange(a.motion, a.motion + a.duration)
         for a in actions
     ]
-    return Track(tuple(actions), np.concatenate([np.zeros(0, dtype=np.int64), *steps]), goal)
+    return RoadmapPath(tuple(actions), np.concatenate(motions), goal)

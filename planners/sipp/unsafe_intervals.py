@@ -1,86 +1,81 @@
-"""A move that comes near another robot: when it is safe to begin it, found out on demand."""
+"""Start instants of an edge that are unsafe because of one dynamic obstacle."""
 
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Iterable
 from operator import itemgetter
 
 import numpy as np
 
 from fgenv.arrays import Ints
-from fgenv.planners.multi.pair_cache import Meetings
+from fgenv.planners.roadmap.pair_cache import PairCache
+
+from .intervals import Interval, merged
 
 
-class Doubts:
-    """The instants at which beginning a move may be unsafe.
+class UnsafeStarts:
+    """Instants at which starting an edge is unsafe, computed lazily.
+
+    If the edge starts at instant `starts[k]`, the robot makes motion `own[k]` in the same step as
+    the obstacle makes motion `other[k]`. These pairs are checked as late as possible.
 
     Args:
-        kinds: of who moves, and of the other.
-        blocked: ranges of instants at which it is not safe.
-        first, mine, theirs: (n,), rising in `first`, of equal ones the nearest first: if it begins
-            then, it makes step `mine` when the other makes `theirs`. The world is asked about
-            these as late as can be.
+        pairs: collision results.
+        kinds: kind of the robot and kind of the obstacle.
+        blocked: intervals of start instants that are known to be unsafe.
+        starts, own, other: (n,), sorted by start, pairs with the nearest spheres first.
     """
 
     def __init__(
         self,
-        meetings: Meetings,
+        pairs: PairCache,
         kinds: tuple[int, int],
-        blocked: list[tuple[int, int]],
-        first: Ints,
-        mine: Ints,
-        theirs: Ints,
+        blocked: Iterable[Interval],
+        starts: Ints,
+        own: Ints,
+        other: Ints,
     ) -> None:
-        self._meetings, self._kinds = meetings, kinds
+        self._pairs, self._kinds = pairs, kinds
         self._blocked = merged(blocked)
-        self._first, self._mine, self._theirs = first, mine, theirs
-        self._starts: list[int] = first.tolist()
-        self._known: dict[int, bool] = {}
+        self._starts, self._own, self._other = starts, own, other
+        self._sorted_starts: list[int] = starts.tolist()
+        self._safe: dict[int, bool] = {}
 
-    def first(self, low: int, high: int) -> int:
-        """The first instant within [low, high] at which it is safe to begin; -1: none."""
-        known, blocked = self._known, self._blocked
-        ahead, k = 1, bisect_left(blocked, low, key=itemgetter(1))
+    def first_safe(self, low: int, high: int) -> int:
+        """First instant in [low, high] at which the edge can start; -1 if there is none."""
+        safe, blocked = self._safe, self._blocked
+        batch, k = 1, bisect_left(blocked, low, key=itemgetter(1))
         while low <= high:
             if k < len(blocked) and blocked[k][0] <= low:
                 low, k = blocked[k][1] + 1, k + 1
                 continue
-            if low not in known:
-                self._ask(low, min(low + ahead, high + 1))
-                ahead *= 2
-            if known[low]:
+            if low not in safe:
+                self._check(low, min(low + batch, high + 1))
+                batch *= 2
+            if safe[low]:
                 return low
             low += 1
         return -1
 
-    def _ask(self, low: int, high: int) -> None:
-        """Find out about instants low to high - 1: of each its nearest pair of steps first."""
-        a, b = bisect_left(self._starts, low), bisect_left(self._starts, high)
+    def _check(self, low: int, high: int) -> None:
+        """Check the instants low to high - 1: first the nearest pair of each instant."""
+        a, b = bisect_left(self._sorted_starts, low), bisect_left(self._sorted_starts, high)
         for t in range(low, high):
-            self._known.setdefault(t, True)
+            self._safe.setdefault(t, True)
         if a == b:
             return
-        first = self._first[a:b]
-        leads = np.diff(first, prepend=-1) != 0
-        hit = self._meet(a + np.flatnonzero(leads))
-        rest = np.flatnonzero(~leads & ~np.isin(first, hit))
+        starts = self._starts[a:b]
+        nearest = np.diff(starts, prepend=-1) != 0
+        unsafe = self._check_pairs(a + np.flatnonzero(nearest))
+        rest = np.flatnonzero(~nearest & ~np.isin(starts, unsafe))
         if len(rest):
-            self._meet(a + rest)
+            self._check_pairs(a + rest)
 
-    def _meet(self, at: Ints) -> Ints:
-        """The instants of those pairs at `at` that meet; they are known then."""
-        (kind, other), mine, theirs = self._kinds, self._mine[at], self._theirs[at]
-        hit = self._first[at[self._meetings.meet_near(kind, mine, other, theirs)]]
-        self._known.update(dict.fromkeys(hit.tolist(), False))
-        return hit
-
-
-def merged(ranges: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Ranges sorted, those that overlap or follow each other joined."""
-    out: list[tuple[int, int]] = []
-    for a, b in sorted(ranges):
-        if out and a <= out[-1][1] + 1:
-            out[-1] = out[-1][0], max(b, out[-1][1])
-        else:
-            out.append((a, b))
-    return out
+    def _check_pairs(self, rows: Ints) -> Ints:
+        """Check some pairs; mark and return the start instants of those that collide."""
+        kind, other_kind = self._kinds
+        hit = self._pairs.collide_near(kind, self._own[rows], other_kind, self._other[rows])
+        unsafe = self._starts[rows[hit]]
+        self._safe.update(dict.fromkeys(unsafe.tolist(), False))
+        return unsafe

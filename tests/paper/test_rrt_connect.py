@@ -57,7 +57,7 @@ def test_same_seed_same_plan_and_other_seed_other_plan() -> None:
 def test_margin_is_kept() -> None:
     plan = rrt_connect(wall_with_a_gap(box(0.1, 0.6)), START, margin=0.1)
     # Between two checked states no point moves more than the resolution.
-    assert plan.certificate.least > 0.1 - 0.02
+    assert plan.certificate.clearance > 0.1 - 0.02
 
 
 def test_yaw_takes_the_shorter_direction_from_the_start() -> None:
@@ -139,7 +139,7 @@ def test_certificate_has_the_clearance() -> None:
     ends = (-3.0, 1.25, 0.0), (3.0, 1.25, 0.0)
     certificate = certify(planar_problem(box(1.0, 1.0), *ends, cube), [np.linspace(*ends, 101)])
     assert certificate.proved
-    assert 0.25 - 1e-4 <= certificate.least <= 0.25
+    assert 0.25 - 1e-4 <= certificate.clearance <= 0.25
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -155,10 +155,10 @@ def test_certificate_fails_at_a_wall_thinner_than_any_step() -> None:
         problem = planar_problem(box(0.1, 0.1, 0.1), START, GOAL, {"film": (sheet, (0, 0, 0))})
     certificate = certify(problem, [np.array([START, (-0.1, 0, 0), (0.1, 0, 0), GOAL])])
     assert not certificate.proved
-    assert certificate.failed == 1
+    assert certificate.failed_step == 1
 
 
 def test_certificate_without_obstacles() -> None:
     certificate = certify(planar_problem(box(1.0, 1.0), START, GOAL), [np.array([START, GOAL])])
     assert certificate.proved
-    assert certificate.least == np.inf
+    assert certificate.clearance == np.inf

@@ -1,4 +1,4 @@
-"""OMPL's checks as ours: what the plug-in says is what the world says, whoever calls it."""
+"""The OMPL plug-in: its checks agree with the world's, under every planner."""
 
 from __future__ import annotations
 
@@ -21,19 +21,20 @@ from fgenv import _core
 from fgenv.collision import Shape, World
 from fgenv.planners import (
     PLANNERS,
-    Layout,
     MotionValidator,
     PlanningError,
     Problem,
+    StateLayout,
     StateValidityChecker,
     Steering,
-    composite,
     legs,
+    plan_composite,
     setup,
-    space_of,
+    state_space,
 )
-from fgenv.planners.ompl.spaces import compound_of, leaves
-from fgenv.planners.ompl.states import StateBuffer, _by_coordinates
+from fgenv.planners.checker import joint_checker
+from fgenv.planners.ompl.spaces import joint_space, subspaces
+from fgenv.planners.ompl.states import StateBuffer, capsule, coordinate_serializer
 from fgenv.robots import Car, DifferentialDrive, Robot
 from fgenv.scenarios import Scenario
 
@@ -51,8 +52,8 @@ def cart(drive: object = None) -> Robot:
     return Robot.from_mesh(box(0.6, 0.3, 0.4), drive=drive, name="cart", workspace=area)  # type: ignore[arg-type]
 
 
-def room(robot: Robot) -> World:
-    """A wall with a gap, at x = 0."""
+def gap_world(robot: Robot) -> World:
+    """World with a robot and a wall with a gap, at x = 0."""
     world = World()
     for side in (-1, 1):
         world.add(box(0.2, 2.4, 1.0), AT([0, 1.7 * side, 0]), name=f"wall {side}")
@@ -60,9 +61,13 @@ def room(robot: Robot) -> World:
     return world
 
 
-def problem_of(robot: Robot, world: World, **options: object) -> og.SimpleSetup:
-    """As a user sets it up, the robot from one side of the wall to the other."""
-    ss = og.SimpleSetup(space_of(Layout(robot, Steering.of(robot))))
+def space_of(robot: Robot) -> ob.StateSpace:
+    return state_space(StateLayout(robot, Steering.of(robot)))
+
+
+def simple_setup(robot: Robot, world: World, **options: object) -> og.SimpleSetup:
+    """SimpleSetup as a user writes it, from one side of the wall to the other."""
+    ss = og.SimpleSetup(space_of(robot))
     si = ss.getSpaceInformation()
     ss.setStateValidityChecker(StateValidityChecker(si, robot.name, world))
     si.setMotionValidator(MotionValidator(si, robot.name, world, **options))  # type: ignore[arg-type]
@@ -76,7 +81,7 @@ def problem_of(robot: Robot, world: World, **options: object) -> og.SimpleSetup:
 
 
 @pytest.mark.parametrize("way", ["dubins", "reeds_shepp"])
-def test_a_cars_way_is_as_short_as_ompls_and_gets_there(way: str) -> None:
+def test_a_cars_path_has_the_length_of_ompls_and_reaches_the_goal(way: str) -> None:
     rng = np.random.default_rng(5)
     radius = 0.7
     space = (ob.DubinsStateSpace if way == "dubins" else ob.ReedsSheppStateSpace)(radius)
@@ -98,7 +103,7 @@ def test_a_cars_way_is_as_short_as_ompls_and_gets_there(way: str) -> None:
         arcs = np.where(turns > 1e-9, radius * turns, chords)
         assert arcs.sum() == pytest.approx(space.distance(a, b), abs=1e-6)
         assert turns.max() < 0.1 + 1e-9
-        # Each chord leads along the middle of its two headings, forwards or backwards.
+        # Each chord has the mean direction of its two headings, forwards or backwards.
         headings = rows[:-1, 2] + (np.remainder(steps[:, 2] + np.pi, 2 * np.pi) - np.pi) / 2
         along = np.cos(headings) * steps[:, 0] + np.sin(headings) * steps[:, 1]
         assert np.allclose(np.abs(along), chords, atol=1e-7)
@@ -106,7 +111,7 @@ def test_a_cars_way_is_as_short_as_ompls_and_gets_there(way: str) -> None:
             assert (along > -1e-7).all()
 
 
-def test_turn_drive_turn_drives_the_way_that_turns_less() -> None:
+def test_turn_drive_turn_chooses_the_direction_with_less_turning() -> None:
     robot = cart(DifferentialDrive(speed=1.0, turn_rate=1.0))
     forwards = legs(robot, [0, 0, 0.2], [2, 0, -0.2])
     assert np.allclose(forwards, [[0, 0, 0.2], [0, 0, 0], [2, 0, 0], [2, 0, -0.2]])
@@ -118,13 +123,13 @@ def test_turn_drive_turn_drives_the_way_that_turns_less() -> None:
 # Spaces and states
 
 
-def test_every_space_is_read_and_written_as_its_accessors_say() -> None:
+def test_states_of_every_space_are_read_and_written() -> None:
     arms = Scenario.load("cell", n=2).build().robots
     drone = Scenario.load("forest", n=1).build().robots[0]
     car = Scenario.load("intersection", n=1).build().robots[0]
     free = Robot.from_mesh(box(1, 1, 1), "free", workspace=[[-1] * 3, [1] * 3])
-    spaces = [space_of(Layout(r, Steering.of(r))) for r in (cart(), arms[0], drone, car, free)]
-    spaces.append(compound_of([space_of(Layout(r, Steering.of(r))) for r in (cart(), free)]))
+    spaces = [space_of(robot) for robot in (cart(), arms[0], drone, car, free)]
+    spaces.append(joint_space([space_of(robot) for robot in (cart(), free)]))
     rng = np.random.default_rng(0)
     for space in spaces:
         si = ob.SpaceInformation(space)
@@ -132,42 +137,40 @@ def test_every_space_is_read_and_written_as_its_accessors_say() -> None:
         values = rng.uniform(-0.9, 0.9, buffer.size)
         buffer.write(state, values)
         slow = np.full(buffer.size, np.nan)
-        from fgenv.planners.ompl.states import NAME, _new
-
-        _by_coordinates(space)(_new(slow.ctypes.data, NAME, None), state)
+        coordinate_serializer(space)(capsule(slow), state)
         assert np.array_equal(buffer.read(state), values)
         assert np.array_equal(slow, values)
 
 
-def test_a_drone_is_planned_level_and_joint_spaces_of_arms_are_one_real_vector() -> None:
+def test_drones_are_level_and_the_joint_space_of_arms_is_one_real_vector_space() -> None:
     drone = Scenario.load("forest", n=1).build().robots[0]
-    layout = Layout(drone, Steering.of(drone))
-    assert leaves(space_of(layout)) == [("RealVector", 3), ("SO2", 1)]
+    layout = StateLayout(drone, Steering.of(drone))
+    assert subspaces(state_space(layout)) == [("RealVector", 3), ("SO2", 1)]
     q = np.array([1.0, 2.0, 3.0, 0.0, 0.0, np.sin(0.4), np.cos(0.4)])
     assert np.allclose(layout.configurations(layout.states(q)), q)
-    assert leaves(setup(Scenario.load("cell", n=2)).getStateSpace()) == [("RealVector", 12)]
+    assert subspaces(setup(Scenario.load("cell", n=2)).getStateSpace()) == [("RealVector", 12)]
 
 
-def test_a_space_that_does_not_fit_is_told() -> None:
+def test_a_space_that_does_not_fit_is_an_error() -> None:
     robot = cart()
-    world = room(robot)
+    world = gap_world(robot)
     si = ob.SpaceInformation(ob.SE3StateSpace())
-    with pytest.raises(ValueError, match=r"si: a space of SE3, expected SE2; .*space_of"):
+    with pytest.raises(ValueError, match=r"si: got a space of SE3, expected SE2; .*state_space"):
         StateValidityChecker(si, "cart", world)
     si = ob.SpaceInformation(ob.SE2StateSpace())
     with pytest.raises(ValueError, match="no body is named 'truck'"):
         MotionValidator(si, "truck", world)
-    with pytest.raises(ValueError, match="resolution: 0"):
+    with pytest.raises(ValueError, match="resolution: got 0"):
         MotionValidator(si, "cart", world, resolution=0.0)
 
 
-# Answers
+# Checks
 
 
-def test_answers_are_the_worlds() -> None:
+def test_checks_agree_with_the_world() -> None:
     robot = cart()
-    world = room(robot)
-    ss = problem_of(robot, world)
+    world = gap_world(robot)
+    ss = simple_setup(robot, world)
     si = ss.getSpaceInformation()
     buffer = StateBuffer(si)
     rng = np.random.default_rng(1)
@@ -185,31 +188,19 @@ def test_answers_are_the_worlds() -> None:
     assert StateValidityChecker(si, "cart", world).clearance(buffer.write(a, q[0, 0])) == gap
 
 
-def test_a_body_that_is_no_robot_takes_se2_and_se3_states() -> None:
+def test_a_body_without_a_robot_model_has_se2_or_se3_states() -> None:
     world = World()
     body = world.add(box(0.5, 0.5, 0.5), AT([0, 0, 2.0]), name="mover")
     world.add(box(1, 1, 1), AT([2, 0, 2.0]))
-    flat, high = _core.Checker, [2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0]
-    rest = ([0], [1.0], [True], 0.0, 1e-6, 0.0)
-    assert not flat(world._core, [body], [7], *rest).valid(high)
-    assert not flat(world._core, [body], [3], *rest).valid([2.0, 0.0, 0.0])
-    assert flat(world._core, [body], [3], *rest).valid([0.0, 0.0, 0.0])
+    assert not joint_checker(world, [body], [7]).valid([2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0])
+    assert not joint_checker(world, [body], [3]).valid([2.0, 0.0, 0.0])
+    assert joint_checker(world, [body], [3]).valid([0.0, 0.0, 0.0])
 
 
-def test_robots_together_are_checked_at_once() -> None:
+def test_joint_checks_agree_with_the_world() -> None:
     scenario = Scenario.load("random", n=3, seed=2)
     problem = Problem.of(scenario)
-    checker = _core.Checker(
-        problem.world._core,
-        list(problem.robots),
-        [3] * 3,
-        [0] * 3,
-        [1.0] * 3,
-        [True] * 3,
-        0,
-        1e-6,
-        0,
-    )
+    checker = joint_checker(problem.world, problem.robots, [3] * 3)
     rng = np.random.default_rng(3)
     box_ = problem.models[0].workspace
     assert box_ is not None
@@ -224,7 +215,7 @@ def test_robots_together_are_checked_at_once() -> None:
     assert seen == {True, False}
 
 
-def test_two_that_meet_are_those_that_check_motions_says_meet() -> None:
+def test_meet_agrees_with_check_motions() -> None:
     problem = Problem.of("random", n=2, seed=1)
     rng = np.random.default_rng(4)
     q = rng.uniform(-1, 1, (300, 4, 3))
@@ -240,9 +231,9 @@ def test_two_that_meet_are_those_that_check_motions_says_meet() -> None:
         problem.world.meet(problem.robots[0], q[0, 0], q[0, 1], problem.robots[0], q[0, 2], q[0, 3])
 
 
-def test_a_state_that_is_not_finite_is_invalid() -> None:
+def test_nonfinite_states_are_invalid() -> None:
     robot = cart()
-    checker = _core.Checker(room(robot)._core, ["cart"], [3], [0], [1.0], [True], 0, 1e-6, 0)
+    checker = joint_checker(gap_world(robot), ["cart"], [3])
     good = [-1.5, 0.0, 0.0]
     assert checker.valid(good)
     assert not checker.valid([np.nan, 0.0, 0.0])
@@ -250,26 +241,24 @@ def test_a_state_that_is_not_finite_is_invalid() -> None:
     assert checker.clearance([np.nan, 0.0, 0.0]) == 0.0
 
 
-def test_a_thin_wall_is_not_tunnelled_but_for_in_steps() -> None:
+def test_only_discrete_checks_miss_a_thin_wall() -> None:
     robot = cart()
     world = World()
     world.add(box(1e-3, 6.0, 1.0))
     world.add_robot(robot, [-1.5, 0, 0])
-    make = lambda r: _core.Checker(world._core, ["cart"], [3], [0], [1.0], [True], 0, 1e-6, r)  # noqa: E731
-    way = [-1.5, 0, 0], [1.3, 0, 0]
-    assert not make(0.0).free(*way)
-    assert make(3.0).free(*way)
-    assert not make(0.01).free(*way)
+    for resolution, free in ((None, False), (3.0, True), (0.01, False)):
+        checker = joint_checker(world, ["cart"], [3], resolution=resolution)
+        assert checker.free([-1.5, 0, 0], [1.3, 0, 0]) == free
 
 
 # Planners
 
 
 @pytest.mark.parametrize("name", PLANNERS)
-def test_every_planner_solves_and_all_edges_are_proved(name: str) -> None:
+def test_every_planner_finds_a_certified_path(name: str) -> None:
     robot = cart()
-    world = room(robot)
-    ss = problem_of(robot, world)
+    world = gap_world(robot)
+    ss = simple_setup(robot, world)
     ss.setPlanner(getattr(og, name)(ss.getSpaceInformation()))
     ou.RNG.setSeed(7)
     ss.solve(ob.timedPlannerTerminationCondition(1.0))
@@ -281,21 +270,21 @@ def test_every_planner_solves_and_all_edges_are_proved(name: str) -> None:
     assert np.allclose(q[[0, -1], :2], [[-1.5, 1.0], [1.5, 1.0]])
 
 
-def test_where_nothing_is_in_the_way_aorrtc_gives_goal_and_goal() -> None:
-    """A fault of OMPL 2.0.1: the path is then start and goal."""
+def test_a_free_straight_motion_is_returned_for_aorrtc() -> None:
+    """AORRTC of OMPL 2.0.1 returns the goal twice; it is replaced by start and goal."""
     problem = Problem.of("swap", n=1)
-    path = composite(problem, planner="AORRTC", time_limit=0.2).paths[0]
+    path = plan_composite(problem, planner="AORRTC", time_limit=0.2).paths[0]
     ends = [problem.starts[0][:2], problem.goals[0][:2]]
     assert np.allclose(path[[0, -1], :2], ends)
 
 
-def test_a_planner_that_does_not_plan_in_this_space_is_told() -> None:
-    with pytest.raises(PlanningError, match=r"BITstar does not plan here: .*take another planner"):
-        composite(Problem.of("swap", n=2), planner="BITstar", time_limit=0.2)
+def test_a_planner_that_does_not_support_the_space_is_an_error() -> None:
+    with pytest.raises(PlanningError, match=r"BITstar does not support .*use another planner"):
+        plan_composite(Problem.of("swap", n=2), planner="BITstar", time_limit=0.2)
 
 
 @pytest.mark.parametrize("name", ["RRTConnect", "PRM", "PRMstar", "BITstar"])
-def test_what_goes_wrong_in_a_check_is_raised_after_solve(name: str) -> None:
+def test_exceptions_in_checks_are_raised_after_the_search(name: str) -> None:
     made = setup(Scenario.load("doorway", n=1))
     made.setPlanner(getattr(og, name)(made.getSpaceInformation()))
     made.world.remove("robot 1")
@@ -303,12 +292,12 @@ def test_what_goes_wrong_in_a_check_is_raised_after_solve(name: str) -> None:
         made.solve(20.0)
 
 
-def test_ctrl_c_stops_a_search_even_under_prm() -> None:
+def test_ctrl_c_stops_a_search() -> None:
     script = """
         import signal
         from ompl import geometric as og
         from fgenv.planners import setup
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # unset in background jobs
         made = setup("doorway", 0)
         made.setPlanner(og.{name}(made.getSpaceInformation()))
         print("begins", flush=True)
@@ -330,20 +319,20 @@ def test_ctrl_c_stops_a_search_even_under_prm() -> None:
             assert "stopped" in run.communicate(timeout=20)[0]
 
 
-def test_setup_tells_who_is_in_the_way() -> None:
+def test_setup_names_colliding_robots() -> None:
     scenario = Scenario.load("swap", n=2)
     crowded = scenario.replace(
         robots=[r.model_copy(update={"start": scenario.robots[0].start}) for r in scenario.robots]
     )
     with pytest.raises(PlanningError, match="start of 'robot 1': collides with robot 2"):
         setup(crowded, "robot 1")
-    with pytest.raises(ValueError, match="robot: 'robot 9', expected one of robot 1, robot 2"):
+    with pytest.raises(ValueError, match="robot: got 'robot 9', expected one of robot 1, robot 2"):
         setup(scenario, "robot 9")
 
 
-def checks(n: int) -> None:
+def run_checks(n: int) -> None:
     robot = cart()
-    ss = problem_of(robot, room(robot))
+    ss = simple_setup(robot, gap_world(robot))
     si = ss.getSpaceInformation()
     sampler, a, b = si.allocStateSampler(), si.allocState(), si.allocState()
     for _ in range(n):
@@ -354,15 +343,15 @@ def checks(n: int) -> None:
 
 
 @pytest.mark.parametrize("n", [50_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
-def test_checks_leak_nothing(n: int) -> None:
-    checks(2000)
+def test_checks_do_not_leak_memory(n: int) -> None:
+    run_checks(2000)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    checks(n)
+    run_checks(n)
     gc.collect()
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 8_000  # kB
 
 
-def test_a_problem_that_is_dropped_is_freed() -> None:
+def test_a_setup_without_references_is_freed() -> None:
     import weakref
 
     made = setup(Scenario.load("doorway", n=1))
@@ -378,18 +367,18 @@ def test_a_cars_arcs_stay_in_the_workspace() -> None:
     robot = cart(Car(wheelbase=0.5, min_turning_radius=1.5, speed=1.0))
     world = World()
     world.add_robot(robot, [0, 0, 0])
-    ss = og.SimpleSetup(space_of(Layout(robot, Steering.of(robot))))
+    ss = og.SimpleSetup(space_of(robot))
     validator = MotionValidator(ss.getSpaceInformation(), "cart", world)
-    sides = [-2.0, 2.9, 1.0], [2.0, 2.9, -1.0]  # along the wall of the workspace, over a hill
+    sides = [-2.0, 2.9, 1.0], [2.0, 2.9, -1.0]  # the arc between them leaves the workspace
     rows = legs(robot, *sides)
     assert rows[:, 1].max() > 3.0
     assert not validator._core.free(*sides)
     assert validator._core.free([-2.0, 0.0, 1.0], [2.0, 0.0, -1.0])
 
 
-def test_a_body_that_turns_any_way_is_planned_though_its_quaternions_are_rounded() -> None:
-    """Scenarios keep six digits; OMPL takes no quaternion that is off by more than 1e-9."""
+def test_free_bodies_are_planned_with_rounded_quaternions() -> None:
+    """Scenarios store six digits; OMPL rejects quaternions whose norm is off by over 1e-9."""
     problem = Problem.of("cubicles")
-    q = composite(problem, time_limit=30.0).paths[0]
+    q = plan_composite(problem, time_limit=30.0).paths[0]
     assert len(q) > 2
     assert problem.world.check_motion(problem.robots[0], q[:-1], q[1:])

@@ -1,4 +1,4 @@
-"""Plans: timed within limits, proved as they will be driven, and proved again from their files."""
+"""Plans: timed within limits, certified as they are executed, and verified from their files."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from fgenv.planners import (
     PlanningError,
     Problem,
     certify,
-    composite,
     legs,
+    plan_composite,
     verify,
 )
 from fgenv.planners.limits import broken_limits
@@ -93,7 +93,7 @@ def test_timed_paths_keep_the_limits_and_pass_the_way_points(name: str) -> None:
             assert max(gaps) < 5e-3
 
 
-def test_without_limits_of_acceleration_a_stretch_takes_its_length_by_the_speed() -> None:
+def test_without_acceleration_limits_the_duration_is_length_over_speed() -> None:
     robot = robot_with(DRIVES["holonomic"])
     q = steps_of(robot, np.array([[0.0, 0, 0], [0.95, 0, 0]]), DT)
     assert len(q) == 11
@@ -101,7 +101,7 @@ def test_without_limits_of_acceleration_a_stretch_takes_its_length_by_the_speed(
     assert len(steps_of(robot, np.array([[1.0, 2.0, 0.5]]), DT)) == 1
 
 
-def test_robots_together_are_at_their_way_points_together() -> None:
+def test_robots_that_are_timed_together_reach_way_points_together() -> None:
     robots = [robot_with(DRIVES["holonomic"]), robot_with(DRIVES["slow to start"])]
     paths = [
         np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]]),
@@ -136,7 +136,7 @@ def test_an_arm_on_a_car_keeps_all_limits() -> None:
         assert broken_limits(robot, steps_of(robot, path, DT), DT) is None
 
 
-def test_what_a_drive_cannot_do_is_told() -> None:
+def test_motions_that_a_drive_cannot_make_are_reported() -> None:
     robot = robot_with(DRIVES["differential"])
     sideways = np.array([[0.0, 0, 0], [0, 0.05, 0]])
     assert broken_limits(robot, sideways, DT) == "goes where its drive cannot at step 0"
@@ -159,7 +159,7 @@ def test_what_a_drive_cannot_do_is_told() -> None:
         steps_of(driven, way, DT)
 
 
-def test_what_is_too_fast_is_told() -> None:
+def test_excess_speed_and_acceleration_are_reported() -> None:
     robot = robot_with(DRIVES["slow to start"])
     q = np.array([[0.0, 0, 0], [0.2, 0, 0], [0.2, 0, 0]])
     assert broken_limits(robot, q, DT) == "needs vx of 2 m/s at step 0"
@@ -218,8 +218,8 @@ def test_actions_between_lead_there(name: str) -> None:
         ("cell", 2, "composite"),
     ],
 )
-def test_plans_are_free_at_every_moment(name: str, n: int, method: str) -> None:
-    """Against World.collides at a hundred moments a second, on worlds of their own."""
+def test_plans_are_free_at_sampled_times(name: str, n: int, method: str) -> None:
+    """Oracle: contacts of a separate world, every 0.05 s."""
     plan = fgenv.plan(name, n=n, seed=1, method=method, time_limit=30.0)
     assert plan.certificate
     problem = Problem.of(plan.scenario)
@@ -244,11 +244,11 @@ def test_the_same_seed_gives_the_same_plan() -> None:
     assert any(a.shape != b.shape or (a != b).any() for a, b in zip(same, other, strict=True))
 
 
-def test_a_margin_is_kept_and_the_least_clearance_is_a_bound() -> None:
+def test_plans_keep_the_margin_and_the_certified_clearance_is_a_bound() -> None:
     plan = fgenv.plan("random", n=3, seed=4, margin=0.05, method="composite")
     proof = plan.certificate
     assert proof.margin == 0.05
-    assert proof.least > 0.05
+    assert proof.clearance > 0.05
     problem = Problem.of(plan.scenario)
     world = problem.world.copy()
     gaps = []
@@ -259,26 +259,26 @@ def test_a_margin_is_kept_and_the_least_clearance_is_a_bound() -> None:
             float(world.clearance(r, q[row]).distance)
             for r, q in zip(problem.robots, plan.configurations, strict=True)
         ]
-    assert proof.least <= min(gaps)
-    assert proof.least > min(gaps) - 5e-3
+    assert proof.clearance <= min(gaps)
+    assert proof.clearance > min(gaps) - 5e-3
     assert proof.nearest is not None
     assert proof.nearest[1] in problem.names
 
 
-def test_a_tighter_certificate_fails_where_robots_come_near() -> None:
+def test_a_larger_margin_fails_where_robots_come_near() -> None:
     plan = fgenv.plan("doorway", n=2, method="composite")
     problem = Problem.of(plan.scenario)
-    wide = certify(problem, plan.configurations, margin=plan.certificate.least + 0.01)
+    wide = certify(problem, plan.configurations, margin=plan.certificate.clearance + 0.01)
     assert not wide
-    assert wide.failed is not None
-    assert wide.least == 0.0
+    assert wide.failed_step is not None
+    assert wide.clearance == 0.0
 
 
 @pytest.mark.parametrize("objective", ["length", "clearance", "time"])
-def test_an_objective_that_would_block_prm_is_refused(objective: str) -> None:
-    """Its second thread would ask Python for costs while the search holds the interpreter."""
+def test_objectives_that_deadlock_prm_are_rejected(objective: str) -> None:
+    """Its second thread would compute costs in Python while the search holds the GIL."""
     if objective != "length":
-        with pytest.raises(ValueError, match=f"objective: '{objective}' blocks PRM, "):
+        with pytest.raises(ValueError, match=f"objective: '{objective}' deadlocks PRM, "):
             fgenv.plan("doorway", "PRM", n=1, objective=objective)
 
 
@@ -297,17 +297,17 @@ def test_corners_of_steps_are_the_way_points() -> None:
 
 
 @pytest.mark.parametrize("planner", ["RRTConnect", "PRM"])
-def test_what_the_planner_has_grown_can_be_kept(planner: str) -> None:
+def test_the_planners_graph_is_returned_on_request(planner: str) -> None:
     problem = Problem.of("random", n=1, seed=1)
-    route = composite(problem, planner=planner, time_limit=0.5, graph=True)
+    route = plan_composite(problem, planner=planner, time_limit=0.5, graph=True)
     assert route.graph is not None
     assert route.graph.states.shape == (route.facts["vertices"], 3)
     assert route.graph.edges.shape == (route.facts["edges"], 2)
     assert route.facts["pairs_checked"] > 0
     starts, ends = (route.graph.states[route.graph.edges[:, k]] for k in (0, 1))
     checker = problem.world
-    ways = [legs(problem.models[0], a, b) for a, b in zip(starts[:50], ends[:50], strict=True)]
-    assert all(checker.check_motion(problem.robots[0], w[:-1], w[1:]) for w in ways)
+    paths = [legs(problem.models[0], a, b) for a, b in zip(starts[:50], ends[:50], strict=True)]
+    assert all(checker.check_motion(problem.robots[0], p[:-1], p[1:]) for p in paths)
 
 
 def test_robots_that_vanish_may_share_a_goal() -> None:
@@ -338,7 +338,7 @@ def test_a_robot_that_is_at_its_goal_vanishes_after_a_step() -> None:
     assert plan.certificate
 
 
-def test_a_certificate_is_of_all_robots() -> None:
+def test_certify_needs_the_paths_of_all_robots() -> None:
     plan = fgenv.plan("doorway", n=2, method="composite")
     problem = Problem.of(plan.scenario)
     for wrong in (
@@ -347,7 +347,7 @@ def test_a_certificate_is_of_all_robots() -> None:
         [plan.configurations[0], plan.configurations[1][:-1]],
     ):
         with pytest.raises(
-            ValueError, match=r"configurations: shapes .*, expected \(steps \+ 1, nq\)"
+            ValueError, match=r"configurations: got shapes .*, expected \(steps \+ 1, nq\)"
         ):
             certify(problem, wrong)
     with pytest.raises(ValueError, match="a Problem has its own"):
@@ -357,7 +357,7 @@ def test_a_certificate_is_of_all_robots() -> None:
 # Failures
 
 
-def test_failures_say_why() -> None:
+def test_errors_name_the_cause() -> None:
     scenario = Scenario.load("swap", n=2)
     crowded = scenario.replace(
         robots=[r.model_copy(update={"goal": scenario.robots[0].goal}) for r in scenario.robots]
@@ -370,13 +370,13 @@ def test_failures_say_why() -> None:
         fgenv.plan("swap", method="magic")
     with pytest.raises(ValueError, match=r"planner: 'RTT' is not known; .*RRT"):
         fgenv.plan("doorway", "RTT", n=1)
-    with pytest.raises(ValueError, match="time_limit: 0"):
+    with pytest.raises(ValueError, match="time_limit: got 0"):
         fgenv.plan("doorway", n=1, time_limit=0)
-    with pytest.raises(ValueError, match="objective: 'beauty', expected one of length"):
+    with pytest.raises(ValueError, match="objective: got 'beauty', expected one of length"):
         fgenv.plan("doorway", n=1, objective="beauty")
-    with pytest.raises(ValueError, match="margin: -1"):
+    with pytest.raises(ValueError, match="margin: got -1"):
         fgenv.plan("doorway", n=1, margin=-1)
-    with pytest.raises(PlanningError, match=r"no path for robot 1, .* within .* give more time"):
+    with pytest.raises(PlanningError, match=r"no path for robot 1, .* within .* allow more time"):
         fgenv.plan("swap", n=20, method="composite", time_limit=0.2)
 
 
@@ -388,7 +388,7 @@ def plan() -> Plan:
     return fgenv.plan("doorway", n=2, seed=3, method="composite")
 
 
-def test_a_plan_file_is_the_plan_and_proves_itself(plan: Plan, tmp_path: Path) -> None:
+def test_a_plan_file_is_loaded_and_verified(plan: Plan, tmp_path: Path) -> None:
     file = tmp_path / "plan.npz"
     plan.save(file)
     again = Plan.load(file)
@@ -401,7 +401,7 @@ def test_a_plan_file_is_the_plan_and_proves_itself(plan: Plan, tmp_path: Path) -
     assert proof == plan.certificate
 
 
-def test_a_plan_that_was_changed_is_refused(plan: Plan, tmp_path: Path) -> None:
+def test_modified_plan_files_are_rejected(plan: Plan, tmp_path: Path) -> None:
     file = tmp_path / "plan.npz"
     plan.save(file)
     arrays = dict(np.load(file))
@@ -418,7 +418,7 @@ def test_a_plan_that_was_changed_is_refused(plan: Plan, tmp_path: Path) -> None:
         plan.save(tmp_path / "plan.json")
 
 
-def test_a_plan_that_claims_too_much_is_not_proved(plan: Plan) -> None:
+def test_verify_rejects_plans_beyond_limits_and_goals(plan: Plan) -> None:
     from dataclasses import replace
 
     q = [a.copy() for a in plan.configurations]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fgenv.planners import PlanningError, Problem
-from fgenv.planners.methods import plan
+from fgenv.planners.planning import plan
 from fgenv.scenarios import FrozenSet, Scenario, frozen
 
 from .sets import Fleet
@@ -66,5 +66,5 @@ def attempt(case: Scenario, method: str, limit: float) -> Record:
         "search": found.facts.get("search"),
         "makespan": found.makespan,
         "sum_of_costs": found.sum_of_costs,
-        "least": found.certificate.least,
+        "least": found.certificate.clearance,
     }

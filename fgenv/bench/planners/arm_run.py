@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from ompl import geometric as og
 
-from fgenv.planners.ompl.spaces import Layout, compound_of, space_of
+from fgenv.planners.ompl.spaces import StateLayout, state_space
 from fgenv.planners.problem import Problem
 from fgenv.planners.steering import Steering
 from fgenv.scenarios.library.mbm import Family
@@ -48,11 +48,11 @@ def race_family(family: str, numbers: Sequence[int], seed: int, limit: float, to
 def theirs(task: ArmTask, bind: Bind) -> Way:
     """A checker in Python under OMPL's discrete motion validator, a step 1/32 rad at most."""
     robot = task.problem.models[0]
-    layout = Layout(robot, Steering.of(robot))
+    layout = StateLayout(robot, Steering.of(robot))
     ends = [layout.states(q) for q in (task.problem.starts[0], task.problem.goals[0])]
 
     def make() -> Search:
-        space = compound_of([space_of(layout)])
+        space = state_space(layout)
         space.setLongestValidSegmentFraction(task.resolution / space.getMaximumExtent())
         simple = og.SimpleSetup(space)
         si = simple.getSpaceInformation()

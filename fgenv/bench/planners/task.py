@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.arrays import Floats
-from fgenv.planners.ompl.plugin import room
-from fgenv.planners.ompl.spaces import Layout, compound_of, space_of
+from fgenv.planners.ompl.setup import problem_space
+from fgenv.planners.ompl.spaces import StateLayout
 from fgenv.planners.problem import Problem
 from fgenv.planners.steering import Steering
 
@@ -63,15 +63,13 @@ class Task:
         return task if resolution else cls(name, problem, FINE * task.extent)
 
     @cached_property
-    def layouts(self) -> list[Layout]:
+    def layouts(self) -> list[StateLayout]:
         """How configurations stand in states."""
-        return [Layout(robot, Steering.of(robot)) for robot in self.problem.models]
+        return [StateLayout(robot, Steering.of(robot)) for robot in self.problem.models]
 
     def space(self) -> Any:
         """A new space of OMPL, as `fgenv.planners.setup` makes it: bounds and weights the same."""
-        return compound_of(
-            [space_of(layout, room(self.problem, layout)) for layout in self.layouts]
-        )
+        return problem_space(self.problem, self.layouts)
 
     @property
     def extent(self) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
-from fgenv.planners.ompl.plugin import Setup, setup
-from fgenv.planners.ompl.states import NAME, StateBuffer, _new, serialize_of
+from fgenv.planners.ompl.setup import Setup, setup
+from fgenv.planners.ompl.states import StateBuffer, capsule, serializer
 from fgenv.planners.problem import Problem
 
 from .coal_ import coal_bodies
@@ -29,7 +29,7 @@ class PythonChecker(ob.StateValidityChecker):  # type: ignore[misc]
     def __init__(self, si: Any, collides_in: Bind, size: int) -> None:
         super().__init__(si)
         row = np.empty(size)
-        serialize, into = serialize_of(si), _new(row.ctypes.data, NAME, None)
+        serialize, into = serializer(si), capsule(row)
         collides, counter = collides_in(row), count()
         self.row, self.counter = row, counter
 

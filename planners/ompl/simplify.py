@@ -1,0 +1,68 @@
+"""Simplification of OMPL's paths, and way points along the robots' steering."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from ompl import geometric as og
+
+from fgenv.arrays import Floats
+from fgenv.planners.steering import legs
+
+from .setup import Setup
+
+ROUNDS = 4
+
+
+def simplified(made: Setup, states: Floats) -> Floats:
+    """Shorten a path of joint states (m, size); its motions are checked again.
+
+    The number of steps is fixed, unlike in OMPL's own simplification, which is limited by time.
+    Where robots steer, only vertices are removed: OMPL's shortcuts interpolate along straight
+    motions.
+    """
+    simplifier = og.PathSimplifier(made.getSpaceInformation())
+    path = _path(made, states)
+    straight = all(layout.steering.way == "straight" for layout in made.layouts)
+    for _ in range(ROUNDS):
+        if straight:
+            simplifier.ropeShortcutPath(path)
+        simplifier.reduceVertices(path)
+        if straight:
+            simplifier.partialShortcutPath(path)
+    simplifier.reduceVertices(path)
+    if made.motions.error is not None:
+        raise made.motions.error
+    shorter = made.states_of(path)
+    return shorter if made.motions._core.free(shorter[:-1], shorter[1:]).all() else states
+
+
+def _path(made: Setup, states: Floats) -> Any:
+    si = made.getSpaceInformation()
+    path = og.PathGeometric(si)
+    for row in states:
+        path.append(made.buffer.write(si.allocState(), row))
+    return path
+
+
+def steered(made: Setup, states: Floats) -> tuple[Floats, ...]:
+    """Way points (m, nq) of each robot along joint states, with the legs of its steering.
+
+    All legs of a robot between two states take equal times.
+    """
+    paths = made.configurations(states)
+    for i, path in zip(made.robots, paths, strict=True):
+        path[0], path[-1] = made.problem.starts[i], made.problem.goals[i]
+    out: list[list[Floats]] = [[path[:1]] for path in paths]
+    for k in range(len(states) - 1):
+        edges = [
+            legs(layout.robot, path[k], path[k + 1], layout.steering.way)
+            for layout, path in zip(made.layouts, paths, strict=True)
+        ]
+        ends = np.unique(np.concatenate([np.arange(1, len(e)) / (len(e) - 1) for e in edges]))
+        for layout, edge, rows in zip(made.layouts, edges, out, strict=True):
+            at = ends * (len(edge) - 1)
+            leg = np.minimum(at.astype(int), len(edge) - 2)
+            rows.append(layout.robot.interpolate(edge[leg], edge[leg + 1], at - leg))
+    return tuple(np.concatenate(rows) for rows in out)

@@ -1,0 +1,101 @@
+"""Planning of scenarios: a method finds timed paths, which are then certified."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from fgenv.arrays import Floats
+from fgenv.scenarios import Scenario
+from fgenv.scenarios.errors import near
+
+from .certificate import Certificate, certify
+from .errors import PlanningError
+from .limits import wrong_with
+from .methods import LEAST_TIME, METHODS, TimedPaths
+from .plan import Plan, padded
+from .problem import Problem
+
+EXTRA_MARGINS = (0.0, 0.005, 0.02)  # m; added in later attempts if the timed paths are not free
+
+
+def plan(
+    scenario: str | Path | Scenario | Problem,
+    planner: str = "RRTConnect",
+    time_limit: float = 10.0,
+    seed: int = 0,
+    simplify: bool = True,
+    *,
+    method: str | None = None,
+    margin: float = 0.0,
+    objective: str | None = None,
+    **overrides: Any,
+) -> Plan:
+    """Plan all robots of a scenario from their starts to their goals, and certify the plan.
+
+    The certificate is of the timed motion of all robots at once, as it is executed; see
+    `Plan.certificate`.
+
+    Args:
+        scenario: a Scenario, its name or its file.
+        planner: OMPL planner of the searches in joint spaces, see `fgenv.planners.PLANNERS`.
+        time_limit: seconds.
+        seed: of the search, and of a built-in scenario that is given by its name. The same seed
+            gives the same plan, unless time runs out.
+        simplify: shorten the planner's path, and check it again.
+        method: `composite`, `prioritized` or `conflict_based`; by default composite for one robot,
+            prioritized for more.
+        margin: meters that robots keep from all bodies and from each other.
+        objective: `length`, `clearance` or `time`, for an optimizing planner.
+        overrides: for `Scenario.load`.
+
+    Raises:
+        PlanningError: no plan was found; `best` is a partial result where there is one.
+        ValueError: invalid argument.
+    """
+    problem = Problem.of(scenario, margin, seed, **overrides)
+    if method is None:
+        method = "composite" if len(problem.names) == 1 else "prioritized"
+    if method not in METHODS:
+        raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
+    if not 0 < time_limit < math.inf:
+        raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
+    problem.check()
+    began = time.perf_counter()
+    options = {"planner": planner, "simplify": simplify, "objective": objective}
+    found, configurations, certificate = _certified(problem, method, time_limit, options)
+    for i, q in enumerate(configurations):
+        wrong = wrong_with(problem, i, q)
+        if wrong is not None:
+            raise PlanningError(f"{problem.names[i]!r} {wrong}: the path cannot be driven")
+    return Plan(
+        problem.scenario,
+        configurations,
+        tuple(found.way_points),
+        method,
+        planner,
+        problem.seed,
+        certificate,
+        json.loads(json.dumps({**found.facts, "seconds": time.perf_counter() - began})),
+    )
+
+
+def _certified(
+    problem: Problem, method: str, time_limit: float, options: dict[str, Any]
+) -> tuple[TimedPaths, tuple[Floats, ...], Certificate]:
+    """Result of the method with configurations that are certified; else PlanningError."""
+    end = time.perf_counter() + time_limit
+    for extra in EXTRA_MARGINS:
+        left = max(end - time.perf_counter(), LEAST_TIME)
+        found = METHODS[method](replace(problem, margin=problem.margin + extra), left, options)
+        configurations = padded(found.configurations)
+        certificate = certify(problem, configurations)
+        if certificate:
+            return found, configurations, certificate
+    raise PlanningError(
+        f"the timed paths are not free at step {certificate.failed_step}; use a larger margin"
+    )
