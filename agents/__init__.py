@@ -1,62 +1,42 @@
-"""Policies: built-in, planned and trained; their training and evaluation."""
+"""Policies, the tracking of plans, training and evaluation."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from fgenv.agents.evaluation.episode import run_episode
-from fgenv.agents.evaluation.evaluation import Evaluation, evaluate
-from fgenv.agents.policies.file import PolicyError, PolicyFile
-from fgenv.agents.policies.goto import GoTo
-from fgenv.agents.policies.network import Trained
-from fgenv.agents.policies.orca import Orca
-from fgenv.agents.policies.random import RandomPolicy
-from fgenv.agents.policies.rest import Rest
-from fgenv.agents.registry import POLICIES, policy_of
-from fgenv.envs import Policy
+from fgenv._lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from fgenv.agents.policies.plan import Planned, PlanWarning
-    from fgenv.agents.policies.replan import Replanning
-    from fgenv.agents.training.vec_env import FleetVecEnv
+    from fgenv.agents.evaluation.episode import run_episode as run_episode
+    from fgenv.agents.evaluation.evaluation import Evaluation as Evaluation
+    from fgenv.agents.evaluation.evaluation import evaluate as evaluate
+    from fgenv.agents.policies.goto import GoToPolicy as GoToPolicy
+    from fgenv.agents.policies.network import NetworkPolicy as NetworkPolicy
+    from fgenv.agents.policies.orca import OrcaPolicy as OrcaPolicy
+    from fgenv.agents.policies.plan import PlanPolicy as PlanPolicy
+    from fgenv.agents.policies.plan import PlanWarning as PlanWarning
+    from fgenv.agents.policies.policy_file import PolicyError as PolicyError
+    from fgenv.agents.policies.policy_file import PolicyFile as PolicyFile
+    from fgenv.agents.policies.random import RandomPolicy as RandomPolicy
+    from fgenv.agents.policies.replan import ReplanPolicy as ReplanPolicy
+    from fgenv.agents.policies.rest import RestPolicy as RestPolicy
+    from fgenv.agents.policies.safety_filter import SafetyFilter as SafetyFilter
+    from fgenv.agents.policies.sb3 import Sb3Policy as Sb3Policy
+    from fgenv.agents.training.vec_env import FleetVecEnv as FleetVecEnv
 
-# By module; imported when first asked for: they bring OMPL along.
-LATER = {"policies.plan": ("PlanWarning", "Planned"), "policies.replan": ("Replanning",)}
-
-__all__ = [
-    "POLICIES",
-    "Evaluation",
-    "FleetVecEnv",
-    "GoTo",
-    "Orca",
-    "PlanWarning",
-    "Planned",
-    "Policy",
-    "PolicyError",
-    "PolicyFile",
-    "RandomPolicy",
-    "Replanning",
-    "Rest",
-    "Trained",
-    "evaluate",
-    "policy_of",
-    "run_episode",
-]
-
-
-def __getattr__(name: str) -> Any:
-    """What is imported when first asked for; `FleetVecEnv` brings Stable-Baselines3 along."""
-    for module, names in LATER.items():
-        if name in names:
-            return getattr(importlib.import_module(f"fgenv.agents.{module}"), name)
-    if name != "FleetVecEnv":
-        raise AttributeError(f"module 'fgenv.agents' has no attribute {name!r}")
-    try:
-        from fgenv.agents.training.vec_env import FleetVecEnv
-    except ModuleNotFoundError as error:
-        if error.name != "stable_baselines3":
-            raise
-        remedy = "pip install 'fgenv[agents]'"
-        raise ModuleNotFoundError(
-            f"FleetVecEnv needs stable_baselines3, {remedy}", name=error.name
-        ) from None
-    return FleetVecEnv
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "evaluation.episode": ("run_episode",),
+        "evaluation.evaluation": ("Evaluation", "evaluate"),
+        "policies.goto": ("GoToPolicy",),
+        "policies.network": ("NetworkPolicy",),
+        "policies.orca": ("OrcaPolicy",),
+        "policies.plan": ("PlanPolicy", "PlanWarning"),
+        "policies.policy_file": ("PolicyError", "PolicyFile"),
+        "policies.random": ("RandomPolicy",),
+        "policies.replan": ("ReplanPolicy",),
+        "policies.rest": ("RestPolicy",),
+        "policies.safety_filter": ("SafetyFilter",),
+        "policies.sb3": ("Sb3Policy",),
+        "training.vec_env": ("FleetVecEnv",),
+    },
+)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import trimesh
 
-from fgenv.agents import policy_of, run_episode
-from fgenv.envs import Simulator
+from fgenv.agents import run_episode
+from fgenv.envs import Simulator, policy_of
 from fgenv.metrics import Results
 from fgenv.scenarios import Scenario, validate
 

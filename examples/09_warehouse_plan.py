@@ -1,8 +1,8 @@
 """Carts of a warehouse planned together, driven by the simulator, recorded and run again."""
 
 import fgenv
-from fgenv.agents import Planned, run_episode
-from fgenv.envs import Record, Simulator
+from fgenv.agents import PlanPolicy, run_episode
+from fgenv.envs import Record, Simulator, replay
 from fgenv.metrics import Results
 from fgenv.scenarios import Scenario
 
@@ -14,7 +14,7 @@ print(f"planned: makespan {plan.makespan:.1f} s, sum of costs {plan.sum_of_costs
 print(f"proved free for {proof.steps} steps, nobody comes nearer than {proof.clearance:.4f} m")
 
 simulator = Simulator(scenario, clearance=True, autoreset=False)
-policy = Planned(plan=plan)  # or policy_of("plan:prioritized"), which plans each episode itself
+policy = PlanPolicy(plan=plan)  # or policy_of("plan:prioritized"), which plans each episode itself
 record = run_episode(simulator, policy, seed=1)
 results = Results.of(record)
 assert results.success_rate == 1.0
@@ -22,5 +22,5 @@ assert results.collisions == 0
 print(f"driven: {results.makespan:.1f} s, {policy.tracking_error:.1e} m off the plan at most")
 
 record.save("warehouse.npz")
-Record.load("warehouse.npz").replay()  # the same bits, or an error that names the step
+replay(Record.load("warehouse.npz"))  # the same bits, or an error that names the step
 print("run again from its record: the same, bit for bit")

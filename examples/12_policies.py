@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fgenv.agents import POLICIES, Trained, evaluate, run_episode
+from fgenv.agents import NetworkPolicy, evaluate, run_episode
 from fgenv.agents.training.recipes import Stage, recipe_of
 from fgenv.agents.training.training import Training, TrainingConfig
-from fgenv.envs import Simulator, View
+from fgenv.envs import Simulator, View, register_policy
 from fgenv.scenarios import frozen
 
 
@@ -24,7 +24,7 @@ class KeepRight:
         return self.view.toward(self.view.goals + 0.6 * aside)
 
 
-POLICIES["keep_right"] = lambda seed: KeepRight()  # a package has an entry point: fgenv.policies
+register_policy("keep_right", lambda argument, seed: KeepRight())
 cases = frozen("swap", n=4, jitter=0.2, cases=10)
 for name, score in evaluate(cases, ["keep_right", "orca"]).scores.items():
     low, high = score.success[1:]
@@ -34,7 +34,7 @@ short = replace(recipe_of("swap"), stages=(Stage(1.0, "random"),), cases=5, rows
 expected = TrainingConfig("swap", short, {"n": 2}, steps=20_000, every=20_000)
 Training(expected, Path("swap")).run()  # as fgenv train does
 
-policy = Trained.load("swap/policy.npz")  # no PyTorch from here on
+policy = NetworkPolicy.load("swap/policy.npz")  # no PyTorch from here on
 simulator = Simulator("swap", n=2, observation=policy.observation, autoreset=False)
 record = run_episode(simulator, policy)
 assert len(record) > 10

@@ -1,7 +1,9 @@
 """Exact, fast collision detection by feature graphs, for environments of many robots."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from fgenv._lazy import lazy_exports
+from fgenv.registration import register
 
 if TYPE_CHECKING:
     from fgenv.envs.aec import env as env
@@ -10,18 +12,14 @@ if TYPE_CHECKING:
     from fgenv.planners.verification import verify as verify
 
 __version__ = "0.1.0"
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "envs.aec": ("env",),
+        "envs.parallel": ("parallel_env",),
+        "planners.planning": ("plan",),
+        "planners.verification": ("verify",),
+    },
+)
 
-
-MODULES = {
-    "env": "envs",
-    "parallel_env": "envs",
-    "plan": "planners.planning",
-    "verify": "planners.verification",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import environments and planning on first access, since PettingZoo and OMPL load slowly."""
-    if name not in MODULES:
-        raise AttributeError(f"module 'fgenv' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"fgenv.{MODULES[name]}"), name)
+register()

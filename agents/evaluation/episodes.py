@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fgenv.agents.policies.goto import GoTo
+from fgenv.agents.policies.goto import GoToPolicy
 from fgenv.envs import Observation, Policy, Simulator, View
 from fgenv.metrics import Results
 from fgenv.scenarios import FrozenSet
@@ -93,7 +93,7 @@ def straight(
 ) -> list[Results]:
     """How each robot would do with nothing in its way: `goto`, and all pass through each other."""
     template = cases.template.model_copy(update={"on_collision": "pass"})
-    open_, policy = replace(cases, template=template), GoTo()
+    open_, policy = replace(cases, template=template), GoToPolicy()
     policy.observation = Observation(velocity=False, lidar=False, neighbors=0)
     found = run_cases(open_, policy, which, clearance=False, threads=threads)
     return [episode.results for episode in found]

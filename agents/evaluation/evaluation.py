@@ -10,7 +10,7 @@ from typing import Any
 
 from fgenv.agents.evaluation.episodes import Episode, run_cases, straight
 from fgenv.agents.evaluation.scores import Score, score
-from fgenv.agents.registry import policy_of
+from fgenv.envs import policy_of
 from fgenv.metrics import Results
 from fgenv.scenarios import FrozenSet
 

@@ -1,1 +1,1 @@
-"""Policies of the robots, a file each."""
+"""Policies, one file each; `fgenv.registration` lists their factories by name."""

@@ -1,12 +1,19 @@
-"""A policy that goes straight to the goal."""
+"""A policy that drives straight to the goal."""
 
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.names import refuse_argument
 from fgenv.arrays import Floats, Floats32
 
 
-class GoTo(Seeing):
-    """Every robot drives straight to its goal, as its drive can, whatever is in the way."""
+class GoToPolicy(BasePolicy):
+    """Drives every robot straight to its goal within the limits of its drive; ignores obstacles."""
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
+        """Return actions (worlds, robots, size)."""
         return self.view.toward(self.view.goals)
+
+
+def goto(argument: str, seed: int) -> GoToPolicy:
+    """Make the policy named `goto`."""
+    refuse_argument("goto", argument)
+    return GoToPolicy()

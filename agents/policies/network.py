@@ -1,4 +1,4 @@
-"""A trained network as a policy: in native code, without PyTorch, to the same bits everywhere."""
+"""Trained networks as policies: native code without PyTorch, equal bits on every machine."""
 
 from __future__ import annotations
 
@@ -8,63 +8,69 @@ from pathlib import Path
 import numpy as np
 
 from fgenv import _core
-from fgenv.agents.policies.base_action import Acting, BaseAction
-from fgenv.agents.policies.file import PolicyError, PolicyFile
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.policy_file import PolicyError, PolicyFile
+from fgenv.agents.policies.residual import ResidualConfig, ResidualController
+from fgenv.agents.weights import included
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
 from fgenv.envs.observations import Part
 
+Sizes = Sequence[tuple[str, int]]
 
-class Trained(Seeing):
-    """Acts as the network of a file says; see `fgenv.agents.policies.file`.
+
+class NetworkPolicy(BasePolicy):
+    """Runs the network of a policy file; see `fgenv.agents.policies.policy_file`.
 
     Attributes:
-        file: with all that is known about it.
-        observation: what it was trained with; give it to the `Simulator`.
-        actions: `drive` or `way_points`; the same.
+        file: network and settings.
+        observation: of the training; pass it to the `Simulator`.
+        actions: of the training, `drive` or `way_points`; pass it as well.
     """
 
     def __init__(self, file: PolicyFile) -> None:
         self.file = file
         seen = self.observation = Observation(**file.about["observation"])
-        many = 2 if seen.priority else 1
-        self._neighbor = {flat: many * seen.neighbor_size(flat) for flat in (True, False)}
+        blocks = 2 if seen.priority else 1
+        self._neighbor = {flat: blocks * seen.neighbor_size(flat) for flat in (True, False)}
         self.actions: str = file.about["actions"]
         kinds = [file.about["activation"]] * (len(file.layers) - 1) + ["none"]
         layers = zip(file.layers, kinds, strict=True)
         self._network = _core.Network([(w, b, kind) for (w, b), kind in layers])
         self._clip = float(file.about["clip"])
-        self._acting = Acting(BaseAction.of(file.about))
+        self._controller = ResidualController(ResidualConfig.of(file.about))
 
     @classmethod
-    def load(cls, path: str | Path) -> Trained:
-        """From a file.
+    def load(cls, path: str | Path) -> NetworkPolicy:
+        """Load a policy file.
 
         Raises:
-            PolicyError: no policy, damaged, or of another version.
+            PolicyError: not a policy, damaged, or of another version.
             FileNotFoundError: no such file.
         """
         return cls(PolicyFile.load(path))
 
     def reset(self, view: View) -> None:
-        """Episodes begin.
+        """Begin new episodes.
 
         Raises:
-            PolicyError: the robots observe or act otherwise than those that it was trained on.
+            PolicyError: observations or actions differ from those of the training.
         """
         super().reset(view)
-        self._acting.reset(view)
-        about = self.file.about
-        expected = [(name, size) for name, size in about["parts"]]
+        self._controller.reset(view)
+        expected = [(name, size) for name, size in self.file.about["parts"]]
         flat = all(robot.base == "planar" for robot in view.robots)
         others = self._neighbor[flat] * (view.n_robots - 1)
         self._slices = [
-            fitted(expected, parts, view.names[i], others) for i, parts in enumerate(view.layouts)
+            matched_slices(expected, parts, view.names[i], others)
+            for i, parts in enumerate(view.layouts)
         ]
+        self._check_actions(view)
+
+    def _check_actions(self, view: View) -> None:
+        known = [name for name, *_ in self.file.about["action_names"]]
         for i, robot in enumerate(view.robots):
             names = [action.name for action in robot.actions]
-            known = [name for name, *_ in about["action_names"]]
             if names != known or view.actions != self.actions:
                 raise PolicyError(
                     f"policy: {view.names[i]!r} acts by {', '.join(names)} ({view.actions}),"
@@ -72,50 +78,57 @@ class Trained(Seeing):
                 )
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
+        """Return actions (worlds, robots, size)."""
         file = self.file
         rows = np.zeros((*observations.shape[:2], len(file.mean)))
         for i, slices in enumerate(self._slices):
-            for into, of in slices:
-                rows[:, i, into] = observations[:, i, of]
-        seen = np.clip((rows - file.mean) / file.std, -self._clip, self._clip)
-        return self._acting.actions(self._network.run(seen, None), observations)
+            for target, source in slices:
+                rows[:, i, target] = observations[:, i, source]
+        inputs = np.clip((rows - file.mean) / file.std, -self._clip, self._clip)
+        return self._controller.actions(self._network.run(inputs, None), observations)
 
 
-def fitted(
-    expected: Sequence[tuple[str, int]], parts: Sequence[Part], robot: str, others: int
+def matched_slices(
+    expected: Sizes, parts: Sequence[Part], robot: str, others: int
 ) -> list[tuple[slice, slice]]:
-    """Where a robot's row goes in the network's: pairs of slices.
+    """Return slices of the network's input and the matching slices of a robot's observation.
 
     Args:
-        others: numbers of all other robots there are.
+        others: size of the observation of all other robots.
 
     Raises:
-        PolicyError: it does not fit.
+        PolicyError: the observation does not fit the network.
     """
-    there = {part.name: part.slice for part in parts}
-    sizes = [(name, part.stop - part.start) for name, part in there.items()]
-    found, begin = [], 0
+    available = {part.name: part.slice for part in parts}
+    sizes = [(name, part.stop - part.start) for name, part in available.items()]
+    slices, begin = [], 0
     for name, size in expected:
-        of = there.pop(name, slice(0, 0))
-        n = of.stop - of.start
-        enough = n >= size or n == others  # more than it wants, or all that there are
+        source = available.pop(name, slice(0, 0))
+        n = source.stop - source.start
+        enough = n >= size or n == others  # at least as many as in training, or all robots
         if not enough if name == "neighbors" else n != size:
-            raise unfit(expected, sizes, robot)
+            raise observation_error(expected, sizes, robot)
         n = min(n, size)
-        found.append((slice(begin, begin + n), slice(of.start, of.start + n)))
+        slices.append((slice(begin, begin + n), slice(source.start, source.start + n)))
         begin += size
-    if there.keys() - {"neighbors"}:
-        raise unfit(expected, sizes, robot)
-    return found
+    if available.keys() - {"neighbors"}:
+        raise observation_error(expected, sizes, robot)
+    return slices
 
 
-def unfit(
-    expected: Sequence[tuple[str, int]], sizes: Sequence[tuple[str, int]], name: str
-) -> PolicyError:
-    """What is told where they differ."""
+def observation_error(expected: Sizes, sizes: Sizes, robot: str) -> PolicyError:
+    """Return the error for an observation with other parts than expected."""
     here, there = (", ".join(f"{part} ({n})" for part, n in row) for row in (sizes, expected))
     return PolicyError(
-        f"policy: {name!r} observes {here}, expected {there} (numbers of each); give the simulator"
+        f"policy: {robot!r} observes {here}, expected {there} (numbers of each); give the simulator"
         " the policy's observation"
     )
+
+
+def mlp(argument: str, seed: int) -> NetworkPolicy:
+    """Make the policy named `mlp:FILE`, or `mlp:NAME` of an included network."""
+    files = included()
+    if not argument:
+        names = ", ".join(f"mlp:{name}" for name in files)
+        raise ValueError(f"policy: got 'mlp:', expected mlp:FILE or an included policy: {names}")
+    return NetworkPolicy.load(files.get(argument, argument))

@@ -1,7 +1,6 @@
-"""Optimal reciprocal collision avoidance (ORCA), the field's usual baseline, in native code.
+"""Optimal reciprocal collision avoidance (ORCA) in native code, equal bits on every machine.
 
-J. van den Berg, S. J. Guy, M. Lin, D. Manocha, "Reciprocal n-body collision avoidance", 2011. The
-same bits on every machine.
+J. van den Berg, S. J. Guy, M. Lin, D. Manocha, "Reciprocal n-body collision avoidance", 2011.
 """
 
 from __future__ import annotations
@@ -9,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv import _core
-from fgenv.agents.policies.lidar_points import Lidar
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.planar_lidar import PlanarLidar
 from fgenv.agents.tracking.velocity_tracking import base_of, followed, targets
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
@@ -20,30 +19,30 @@ from fgenv.robots.footprint import enclosing
 GUIDED = Observation(
     path_hint=True, path="shortest", look_ahead=0.4, rays=72, lidar_range=2.0, pad=True
 )
-NEARLY = 0.05  # m: who is so near to its goal goes there as `goto` does
+GOAL_RADIUS = 0.05  # m; within this distance the robot drives straight to its goal
 
 
-class Orca(Seeing):
-    """Every robot on a planar base is a disc that encloses it, and takes its share of avoiding.
+class OrcaPolicy(BasePolicy):
+    """Approximates each robot by its enclosing disc; each robot takes half of the avoidance.
 
-    Each step it takes the velocity nearest to that straight to its goal, or to its path hint where
-    it observes one, which, kept for `horizon` seconds, meets none of the others that do their half;
-    parked robots do nothing. What else stands about it sees by its lidar, if its observation has
-    one: each ray's end is a point that does not move. Discs are all that it knows: long bodies do
-    not turn aside.
+    In each step a robot takes the velocity closest to its preferred one that is free of collisions
+    with the other discs for `horizon` seconds, if these take their half; parked robots take none.
+    The preferred velocity points straight to the goal, or to the path hint if the robot observes
+    one. Other obstacles come from the lidar, if the robot observes one: the end of each ray is a
+    static point. All bases must be planar. The shapes of long bodies are not considered.
 
-    Drives that cannot go sideways follow that velocity as the field does: they turn on the spot
-    until they are nearly on its course, then drive while they turn (a car steers towards it). They
-    are not where a holonomic disc would be, for which the disc is larger by `slack`.
+    Drives that cannot move sideways track the velocity as usual in the field: they turn in place
+    until they nearly face it, then drive while they turn (a car steers toward it). They deviate
+    from the path of a holonomic disc; their discs are larger by `slack`.
 
-    The defaults were chosen on jittered `swap` of discs (differential drives, jitter 0.2 m).
+    The defaults were tuned on jittered `swap` of discs (differential drives, jitter 0.2 m).
 
     Args:
-        horizon: seconds ahead that robots shall not meet.
-        wall_horizon: the same of what the lidar sees.
-        margin: meters that a disc is larger than the body needs.
-        slack: meters more, of drives that cannot go sideways.
-        range: meters between centers: who is farther away is not looked at.
+        horizon: time without collisions between robots, s.
+        wall_horizon: time without collisions with lidar points, s.
+        margin: added to the radius of each disc, m.
+        slack: also added for drives that cannot move sideways, m.
+        range: distance between centers beyond which robots are ignored, m.
     """
 
     def __init__(
@@ -59,51 +58,53 @@ class Orca(Seeing):
         self.margin, self.slack = margin, slack
 
     @classmethod
-    def guided(cls) -> Orca:
-        """One that goes along the shortest path; margins were chosen on `random`."""
-        made = cls(wall_horizon=2.0, margin=0.03)
-        made.observation = GUIDED
-        return made
+    def guided(cls) -> OrcaPolicy:
+        """Return a policy along the shortest path; its margins were tuned on `random`."""
+        policy = cls(wall_horizon=2.0, margin=0.03)
+        policy.observation = GUIDED
+        return policy
 
     def reset(self, view: View) -> None:
-        """Episodes begin.
+        """Begin new episodes.
 
         Raises:
-            ValueError: a robot has no planar base.
+            ValueError: a base is not planar.
         """
         super().reset(view)
         for robot in view.robots:
             if robot.base != "planar":
                 raise ValueError(
                     f"orca: {robot.name!r} has a {robot.base} base, expected discs on a plane;"
-                    " take another policy, such as goto"
+                    " use another policy, such as goto"
                 )
         self._radii = np.array([self._radius(robot) for robot in view.robots])
         self._speeds = np.array([robot.actions[0].high for robot in view.robots])
         self._rates = np.array([robot.actions[0].rate for robot in view.robots])
-        self._lidars = [Lidar.of(view, i) for i in range(view.n_robots)]
+        self._lidars = [PlanarLidar.of(view, i) for i in range(view.n_robots)]
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
+        """Return actions (worlds, robots, size)."""
         return self.toward(targets(self.view, observations), observations)
 
-    def toward(self, points: Floats, observations: Floats32, more: Floats | None = None) -> Floats:
-        """Actions (worlds, robots, size) that avoid others on the way to points.
+    def toward(
+        self, points: Floats, observations: Floats32, residual: Floats | None = None
+    ) -> Floats:
+        """Return actions (worlds, robots, size) toward points that avoid collisions.
 
         Args:
             points: configurations, (worlds, robots, nq).
-            more: ahead and to the left, in the robot's own frame, of the speed: is added to the
-                velocity that it wants, (worlds, robots, 2).
+            residual: added to the preferred velocity: forward and left in units of the robot's
+                maximum speed, (worlds, robots, 2).
         """
         view = self.view
-        q, goals = view.configurations, view.goals
-        expected = self._straight(q, points)
-        if more is not None:
-            expected = self._shifted(expected, q, more)
-        found = _core.orca(
+        q = view.configurations
+        preferred = self._preferred(q, points)
+        if residual is not None:
+            preferred = self._with_residual(preferred, q, residual)
+        velocities = _core.orca(
             self._discs(q),
-            expected,
-            np.broadcast_to(self._speeds, expected.shape[:2]),
+            preferred,
+            np.broadcast_to(self._speeds, preferred.shape[:2]),
             self._points(q, observations),
             self.horizon,
             self.wall_horizon,
@@ -112,42 +113,47 @@ class Orca(Seeing):
             None,
         )
         if view.actions == "way_points":
-            return view.toward(self._ahead(q, found))
-        actions = view.toward(points)  # of joints, of turns, and of who is there or nearly
-        far = np.sqrt(((goals - q)[..., :2] ** 2).sum(axis=-1)) > NEARLY
+            return view.toward(self._way_points(q, velocities))
+        return self._drive_actions(q, points, velocities)
+
+    def _drive_actions(self, q: Floats, points: Floats, velocities: Floats) -> Floats:
+        """Actions (worlds, robots, size) that track velocities, and drive to near goals."""
+        view, goals = self.view, self.view.goals
+        actions = view.toward(points)  # for joints, yaw, and robots near their goals
+        far = np.sqrt(((goals - q)[..., :2] ** 2).sum(axis=-1)) > GOAL_RADIUS
         for i, robot in enumerate(view.robots):
             yaw, sideways = q[:, i, 2], isinstance(base_of(robot), Holonomic)
-            if sideways:  # it turns as it goes: the chord of its way has the yaw half way
+            if sideways:  # the base turns during the step: the chord has its mean yaw
                 yaw = yaw + 0.5 * view.dt * robot.actions[2].high * actions[:, i, 2]
-            own = followed(robot, yaw, found[:, i], view.dt)
+            own = followed(robot, yaw, velocities[:, i], view.dt)
             n = 2 if sideways else own.shape[1]
             actions[:, i, :n] = np.where(far[:, i, None], own[:, :n], actions[:, i, :n])
         return actions
 
     def _radius(self, robot: Robot) -> float:
-        """Of the disc about the base's origin, in which the body is however it turns."""
+        """Radius of the disc around the base's origin that encloses the body at every yaw."""
         holonomic = isinstance(base_of(robot), Holonomic)
         return enclosing(robot) + (self.margin if holonomic else self.margin + self.slack)
 
-    def _straight(self, q: Floats, points: Floats) -> Floats:
-        """Velocities straight to points, slower where the goal is within a step, m/s."""
+    def _preferred(self, q: Floats, points: Floats) -> Floats:
+        """Velocities straight to points, m/s; slower within a step of the goal."""
         to: Floats = points[..., :2] - q[..., :2]
         far = np.sqrt((to**2).sum(axis=-1))
         rate = np.minimum(self._speeds, self.view.remaining / self.view.dt)
         share: Floats = np.divide(rate, far, out=np.zeros_like(far), where=far > 0)[..., None]
         return to * share
 
-    def _shifted(self, expected: Floats, q: Floats, more: Floats) -> Floats:
-        """Velocities and something more, at most as fast as the robot."""
+    def _with_residual(self, preferred: Floats, q: Floats, residual: Floats) -> Floats:
+        """Sum of velocities and the residual, limited to the maximum speed."""
         sine, cosine = _core.sin_cos(q[..., 2])
-        x, y = np.moveaxis(more, -1, 0) * self._speeds
-        found: Floats = expected + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
-        speed = np.sqrt((found**2).sum(axis=-1))
-        found *= (self._speeds / np.maximum(speed, self._speeds))[..., None]
-        return found
+        x, y = np.moveaxis(residual, -1, 0) * self._speeds
+        v: Floats = preferred + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+        speed = np.sqrt((v**2).sum(axis=-1))
+        v *= (self._speeds / np.maximum(speed, self._speeds))[..., None]
+        return v
 
     def _discs(self, q: Floats) -> Floats:
-        """Rows for the native part, (worlds, robots, 6)."""
+        """Rows (x, y, vx, vy, radius, parked) of `_core.orca`, (worlds, robots, 6)."""
         view, discs = self.view, np.zeros((*q.shape[:2], 6))
         discs[..., :2] = q[..., :2]
         sine, cosine = _core.sin_cos(q[..., 2])
@@ -162,31 +168,38 @@ class Orca(Seeing):
         return discs
 
     def _points(self, q: Floats, observations: Floats32) -> Floats:
-        """Where rays end on what is no robot, (worlds, robots, rays, 2); else NaN."""
-        most = max(len(lidar.rays) for lidar in self._lidars)
-        points = np.full((*q.shape[:2], most, 2), np.nan)
+        """End points of rays on obstacles, (worlds, robots, rays, 2); NaN elsewhere."""
+        rays = max(len(lidar.rays) for lidar in self._lidars)
+        points = np.full((*q.shape[:2], rays, 2), np.nan)
         for i, lidar in enumerate(self._lidars):
             at = points[:, i, : len(lidar.rays)]
             if len(lidar.rays):
                 at[:] = lidar.points(q[:, i], observations[:, i])
-                self._forget_robots(i, at, q)
+                self._remove_robots(i, at, q)
         return points
 
-    def _forget_robots(self, i: int, at: Floats, q: Floats) -> None:
-        """Points within the discs of others who are there are theirs."""
+    def _remove_robots(self, i: int, at: Floats, q: Floats) -> None:
+        """Set points within the discs of other robots to NaN."""
         radii = np.where(self.view.present, self._radii, 0.0)
         for j in range(q.shape[1]):
             if j != i:
                 by = at - q[:, None, j, :2]
                 at[(by**2).sum(axis=-1) < radii[:, j, None] ** 2] = np.nan
 
-    def _ahead(self, q: Floats, v: Floats) -> Floats:
-        """Where to drive so that the velocity is what is expected, (worlds, robots, nq)."""
+    def _way_points(self, q: Floats, v: Floats) -> Floats:
+        """Way points (worlds, robots, nq) that lead to velocities v."""
         speed = np.sqrt((v**2).sum(axis=-1))
-        far = speed * self.view.dt + speed**2 / (2 * self._rates)  # it slows down in time for that
+        far = speed * self.view.dt + speed**2 / (2 * self._rates)  # plus the braking distance
         ahead = self.view.goals
         ahead[..., :2] = (
             q[..., :2]
             + v * np.divide(far, speed, out=np.zeros_like(far), where=speed > 0)[..., None]
         )
         return ahead
+
+
+def orca(argument: str, seed: int) -> OrcaPolicy:
+    """Make the policy named `orca` or `orca:shortest`."""
+    if argument not in ("", "shortest"):
+        raise ValueError(f"policy: got 'orca:{argument}', expected orca or orca:shortest")
+    return OrcaPolicy.guided() if argument else OrcaPolicy()

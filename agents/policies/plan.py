@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
 from fgenv.agents.tracking.executable_plan import Course, find, slack
 from fgenv.agents.tracking.executable_plan import late as late_from
 from fgenv.agents.tracking.lookahead import free_steps
@@ -17,36 +17,37 @@ from fgenv.agents.tracking.waypoint_tracking import can, drives, way_points
 from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
-from fgenv.planners import Plan, PlanningError
+from fgenv.planners import METHODS, PLANNERS, Plan, PlanningError
 from fgenv.scenarios import Scenario
+from fgenv.scenarios.errors import near
 
-LATE_BY_WAY_POINTS = 0.05  # meters: a way point 2 cm away is not driven at
+WAY_POINT_TOLERANCE = 0.05  # m; robots do not approach way points closer than 2 cm
 
 
 class PlanWarning(UserWarning):
-    """A world has no plan: its robots rest."""
+    """A world has no plan, and its robots rest."""
 
 
-class Planned(Seeing):
-    """Plans every world's episode as it begins, and drives the plan.
+class PlanPolicy(BasePolicy):
+    """Plans the episode of each world at its start, and drives the plan.
 
-    Robots are led from where they are to where the plan has them after the step, so that errors do
-    not add up. If one is held up, the clock of the plan stops until it has caught up: the others
-    wait for it, slowing down as their drives can, and each step off the clock is proved free
-    before it is made. Nobody drives into anybody, but who never comes holds up all: `Replanning`
-    does not wait for ever.
+    Each action leads from a robot's current configuration to the plan's configuration after the
+    step, so that errors do not accumulate. If a robot is held up, the plan's clock stops until the
+    robot has caught up: the other robots slow down within the limits of their drives and wait, and
+    each step with the clock stopped is certified free first. A robot that never catches up blocks
+    all others; `ReplanPolicy` does not.
 
-    With way points as actions, differential drives and cars take plans that do not back up only:
-    who drives at way points turns round instead.
+    With way points as actions, differential drives and cars accept plans without reverse motion
+    only, since they turn around for a way point behind them.
 
     Args:
         method, planner, time_limit: see `fgenv.planners.plan`.
-        plan: to drive, in place of planning.
-        seed: of what is random in planning.
-        strict: a world without a plan is an error, else a warning, and its robots rest.
+        plan: to drive, instead of planning.
+        seed: of random numbers in planning.
+        strict: a world without a plan is an error; otherwise a warning, and its robots rest.
 
     Attributes:
-        problems: why worlds have no plan, by their number.
+        problems: reasons for worlds without a plan, by world.
     """
 
     def __init__(
@@ -65,32 +66,32 @@ class Planned(Seeing):
         self.problems: dict[int, str] = {}
 
     def reset(self, view: View) -> None:
-        """Episodes begin: each is planned.
+        """Plan new episodes.
 
         Raises:
-            PlanningError: if strict, where there is no plan.
+            PlanningError: with `strict`, if there is no plan.
         """
         super().reset(view)
-        self._simulator = view._simulator  # a view has no scenario of its episodes
+        self._simulator = view._simulator  # the view lacks the scenario of the episode
         self._runs: list[Run | None] = [None] * view.n_worlds
         self._worst = 0.0
         self._refresh()
 
     @property
     def tracking_error(self) -> float:
-        """Meters by which any robot was farthest from its plan, from the last reset to now."""
+        """Largest distance of a robot from its plan since the last reset, m."""
         self._look(self.view.configurations)
         return self._worst
 
     @property
     def waited(self) -> float:
-        """Seconds that the plans' clocks stood still for who was held up, in the worst world."""
+        """Longest time for which the clock of a plan has stopped, over worlds, s."""
         return (
             max((run.waited for run in self._runs if run is not None), default=0.0) * self.view.dt
         )
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
+        """Return actions (worlds, robots, size)."""
         view = self.view
         self._refresh()
         q = view.configurations
@@ -111,12 +112,12 @@ class Planned(Seeing):
 
     @property
     def _keys(self) -> list[tuple[int, int]]:
-        """Seed and number of each world's episode."""
+        """Seed and number of the episode of each world."""
         simulator = self._simulator
         return list(zip(simulator.seeds.tolist(), simulator.episodes.tolist(), strict=True))
 
     def _refresh(self) -> None:
-        """Plan what has begun."""
+        """Plan episodes that have begun."""
         for k, key in enumerate(self._keys):
             run, steps = self._runs[k], int(self.view.steps[k])
             if run is None or run.key != key or steps < run.steps:
@@ -136,7 +137,7 @@ class Planned(Seeing):
     def _plan(self, scenario: Scenario, world: int) -> Course:
         if self.plan is not None:
             course = Course.of(self.plan)
-            fit(course, self.view, world)
+            check_plan(course, self.view, world)
             return course
         return self._find(scenario, self.seed, self.time_limit)
 
@@ -154,13 +155,13 @@ class Planned(Seeing):
 
     @property
     def _tolerance(self) -> Floats:
-        """Meters: farther off its course each robot is late."""
+        """Distance from the course beyond which each robot is late, m."""
         if self._simulator.actions == "way_points":
-            return np.full(self.view.n_robots, LATE_BY_WAY_POINTS)
+            return np.full(self.view.n_robots, WAY_POINT_TOLERANCE)
         return np.array([late_from(robot) for robot in self.view.robots])
 
     def _places(self, q: Floats) -> Floats:
-        """Where the clocks have all robots, (worlds, robots, nq); where there is no plan, q."""
+        """Configurations (worlds, robots, nq) of the plans at their clocks; q without a plan."""
         places = q.copy()
         for k, run in enumerate(self._runs):
             if run is not None and run.course is not None:
@@ -169,7 +170,7 @@ class Planned(Seeing):
         return places
 
     def _look(self, q: Floats) -> Floats:
-        """Meters that robots are off their courses, (worlds, robots); 0 of those who are there."""
+        """Distances from the courses (worlds, robots), m; 0 for robots at their goals."""
         off, places, moving = np.zeros(q.shape[:2]), self._places(q), self.view.moving
         for i, robot in enumerate(self.view.robots):
             off[:, i] = robot.distance(q[:, i, : robot.nq], places[:, i, : robot.nq])
@@ -182,7 +183,7 @@ class Planned(Seeing):
         return off
 
     def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
-        """The clock goes on, or waits for who is late; who is off its course is `out`."""
+        """Advance the clock, or stop it for late robots; `out` robots are off their courses."""
         assert run.course is not None
         last, run.held = float(run.course.last), False
         if run.rate == 1.0 and run.clock == int(run.clock) and not out.any():
@@ -193,12 +194,12 @@ class Planned(Seeing):
             if self._can(world, run, q, out, clock) and self._free(world, run, q, clock):
                 break
         else:
-            clock, run.held = run.clock, True  # brake as hard as can be
+            clock, run.held = run.clock, True  # no rate is free: brake as hard as possible
         run.rate = 1.0 if clock == last else clock - run.clock
         run.waited, run.clock = run.waited + 1.0 - run.rate, clock
 
     def _can(self, world: int, run: Run, q: Floats, out: Flags, clock: float) -> bool:
-        """Whether all that are on their courses can follow the clock."""
+        """Whether all robots on their courses can follow the clock."""
         assert run.course is not None
         before, on = self.view.velocities[world], self.view.moving[world] & ~out
         rows = run.course.at(clock)
@@ -208,7 +209,7 @@ class Planned(Seeing):
         )
 
     def _free(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
-        """Whether the way to where clocks have all is proved, one after the other at once."""
+        """Whether the simultaneous motions through the plan at these clocks are certified free."""
         on = np.flatnonzero(self.view.moving[world]).tolist()
         if not on:
             return True
@@ -217,13 +218,13 @@ class Planned(Seeing):
         return bool(free_steps(self.view.world(world), names, models, rows).all())
 
     def _expected(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
-        """Where a robot is now, and at clocks, (1 + len(clocks), nq)."""
+        """Current and planned configurations of a robot at clocks, (1 + len(clocks), nq)."""
         assert run.course is not None
         ahead = [run.course.at(clock)[i] for clock in clocks]
         return np.array([q[i, : self.view.robots[i].nq], *ahead])
 
     def _lead(self, q: Floats, places: Floats) -> Floats:
-        """Actions to places: by the drives turned round, or by way points."""
+        """Actions to places, by the inverse models of the drives or by way points."""
         view, simulator = self.view, self._simulator
         backs = np.zeros(q.shape[:2], dtype=bool)
         asked = np.zeros((view.n_worlds, view.n_robots, view.action_size))
@@ -240,22 +241,44 @@ class Planned(Seeing):
         return asked
 
 
-def fit(course: Course, view: View, world: int) -> None:
-    """PlanningError where a plan is not of a world's episode."""
+def check_plan(course: Course, view: View, world: int) -> None:
+    """Raise PlanningError if a plan is not for a world's episode."""
     names = tuple(robot.name for robot in course.plan.scenario.robots)
     if names != view.names:
-        raise PlanningError(f"plan: is of {', '.join(names)}, not of {', '.join(view.names)}")
+        raise PlanningError(
+            f"plan: got robots {', '.join(names)}, expected {', '.join(view.names)}"
+        )
     if course.plan.dt != view.dt:
-        raise PlanningError(f"plan: has steps of {course.plan.dt} s, the simulator of {view.dt} s")
+        raise PlanningError(f"plan: got steps of {course.plan.dt} s, expected {view.dt} s")
     for i, (name, model) in enumerate(zip(names, course.models, strict=True)):
-        for told, row, q in (
-            ("begins", course.plan.configurations[i][0], view.configurations),
-            ("ends", course.plan.configurations[i][-1], view.goals),
+        for end, row, q in (
+            ("start", course.plan.configurations[i][0], view.configurations),
+            ("goal", course.plan.configurations[i][-1], view.goals),
         ):
             if model.nq != view.robots[i].nq or model.distance(
                 row, q[world, i, : model.nq]
             ) > slack(model):
                 raise PlanningError(
-                    f"plan: {name!r} {told} elsewhere than in this episode;"
-                    " run the scenario with the options that it was planned with"
+                    f"plan: the {end} of {name!r} differs from this episode;"
+                    " run the scenario with the options of the plan"
                 )
+
+
+def plan(argument: str, seed: int) -> PlanPolicy:
+    """Make the policy named `plan[:METHOD[:PLANNER]]` or `plan:FILE.npz`."""
+    if argument.endswith(".npz"):
+        return PlanPolicy(plan=argument)
+    return PlanPolicy(*method_and_planner(argument), seed=seed)
+
+
+def method_and_planner(argument: str) -> tuple[str | None, str]:
+    """Return method and planner of METHOD[:PLANNER]; each may be empty.
+
+    Raises:
+        ValueError: unknown method or planner.
+    """
+    method, _, planner = argument.partition(":")
+    for kind, name, known in (("method", method, METHODS), ("planner", planner, PLANNERS)):
+        if name and name not in known:
+            raise ValueError(f"{kind}: got {name!r}, which is unknown; {near(name, known)}")
+    return method or None, planner or "RRTConnect"

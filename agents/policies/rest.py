@@ -1,13 +1,23 @@
-"""A policy that stays where it is."""
+"""A policy that stops."""
 
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.names import refuse_argument
 from fgenv.arrays import Floats, Floats32
 
 
-class Rest(Seeing):
-    """Every robot stops. An action of zeros would not do: it is the middle of a drive's limits,
-    which is ahead where backwards is slower."""
+class RestPolicy(BasePolicy):
+    """Stops every robot.
+
+    Zero actions would not: zero is the middle of a drive's limits, which is a forward speed if
+    the reverse limit is lower.
+    """
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size) to where all are."""
+        """Return actions (worlds, robots, size) toward the current configurations."""
         return self.view.toward(self.view.configurations)
+
+
+def rest(argument: str, seed: int) -> RestPolicy:
+    """Make the policy named `rest`."""
+    refuse_argument("rest", argument)
+    return RestPolicy()

@@ -1,25 +1,24 @@
-"""A safety filter: who would meet something in the next step stands still instead."""
+"""A safety filter: a robot that would collide in the next step stops instead."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
 from fgenv.arrays import Floats, Floats32
-from fgenv.envs import Policy, View
+from fgenv.envs import Policy, View, policy_of
 
 
-class Safe(Seeing):
-    """Does what another policy asks for, up to the certified first contact of each step.
+class SafetyFilter(BasePolicy):
+    """Passes on the actions of another policy up to the certified first contact of each step.
 
-    Whom the asked actions would bring into contact is told to stop; then the step is asked anew,
-    since who stops may be met by those behind. After as many rounds as there are robots nobody is
-    left to be met. Where every drive can stop within a step (no limit of acceleration) nobody
-    meets anything from a free start; a drive that needs longer brakes too late. It does not find
-    a way out: robots that wait for each other wait until the time is out.
+    A robot that would collide in the step is stopped; the step is then checked again, since robots
+    behind may collide with the stopped one. After at most one round per robot, no collision is
+    left. If every drive can stop within a step (no acceleration limit), an episode with a free
+    start has no collision; other drives brake too late. The filter does not resolve deadlocks.
 
     Args:
-        policy: that is filtered.
+        policy: to be filtered.
     """
 
     def __init__(self, policy: Policy) -> None:
@@ -28,17 +27,23 @@ class Safe(Seeing):
         self.actions: str = getattr(policy, "actions", "drive")
 
     def reset(self, view: View) -> None:
-        """Episodes begin."""
+        """Begin new episodes."""
         super().reset(view)
         self.policy.reset(view)
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
-        asked = np.array(self.policy.act(observations), dtype=np.float64)
-        rest, stopped = self.view.toward(self.view.configurations), np.zeros(asked.shape[:2], bool)
+        """Return actions (worlds, robots, size)."""
+        actions = np.array(self.policy.act(observations), dtype=np.float64)
+        rest = self.view.toward(self.view.configurations)
+        stopped = np.zeros(actions.shape[:2], dtype=bool)
         for _ in range(self.view.n_robots):
-            meet = self.view.meet(asked) & ~stopped
-            if not meet.any():
+            collides = self.view.meet(actions) & ~stopped
+            if not collides.any():
                 break
-            asked[meet], stopped = rest[meet], stopped | meet
-        return asked
+            actions[collides], stopped = rest[collides], stopped | collides
+        return actions
+
+
+def safe(argument: str, seed: int) -> SafetyFilter:
+    """Make the policy named `safe:POLICY`."""
+    return SafetyFilter(policy_of(argument, seed))

@@ -1,4 +1,4 @@
-"""A model of Stable-Baselines3 as a policy."""
+"""Models of Stable-Baselines3 as policies."""
 
 from __future__ import annotations
 
@@ -11,96 +11,102 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.agents.policies.base_action import Acting, BaseAction
-from fgenv.agents.policies.observation import Seeing
+from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.residual import ResidualConfig, ResidualController
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
 
-KEYS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD3"}
+# Algorithms by a key of their saved data; others are A2C.
+ALGORITHMS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD3"}
 
 
-class Sb3Policy(Seeing):
-    """The best action of a model that `model.save(FILE)` wrote: PPO, A2C, SAC or TD3.
+class Sb3Policy(BasePolicy):
+    """Takes the deterministic action of a model saved by `model.save(FILE)`: PPO, A2C, SAC or TD3.
 
-    Needs the extra `agents`. Observations are normalized by the `VecNormalize` that
-    `envs.save(...)` wrote to the file of the same name with the suffix `.pkl`, if there is one.
-    Both hold pickles: use only files that you trust. What it observes, and where `goto` takes over,
-    is in the `.json` that `fgenv train` wrote beside it; without one it
-    takes what the simulator gives.
+    Needs the extra `agents`. If a file of the same name with the suffix `.pkl` exists, observations
+    are normalized by the `VecNormalize` that `envs.save(...)` wrote there. Both files hold pickles:
+    use only files that you trust. The file with the suffix `.json`, written by `fgenv train`, has
+    the observation, the kind of actions and the `ResidualConfig`; without it the policy accepts the
+    simulator's observation.
 
     Raises:
-        ValueError: no such model.
+        ValueError: not a model.
         FileNotFoundError: no such file.
     """
 
     def __init__(self, path: str | Path) -> None:
-        path = Path(path)
         import stable_baselines3
 
-        kind = kind_of(path)
-        self._model: Any = getattr(stable_baselines3, kind).load(path, device="cpu")
+        path = Path(path)
+        self._model: Any = getattr(stable_baselines3, algorithm_of(path)).load(path, device="cpu")
         about: dict[str, Any] = {"observation": None, "actions": "drive"}
-        said = path.with_suffix(".json")
-        if said.exists():
-            about |= beside(said, lambda: dict(json.loads(said.read_text(encoding="utf-8"))))
-        self._acting = Acting(BaseAction.of(about))
+        settings = path.with_suffix(".json")
+        if settings.exists():
+            about |= read_sidecar(settings, lambda: dict(json.loads(settings.read_text("utf-8"))))
+        self._controller = ResidualController(ResidualConfig.of(about))
         self.actions: Any = about["actions"]
         if about["observation"] is not None:
             self.observation = Observation(**about["observation"])
-        normal = path.with_suffix(".pkl")
-        self._normal: Any = None
-        if normal.exists():
-            # a VecNormalize, which needs no environment here
-            self._normal = beside(normal, lambda: pickle.loads(normal.read_bytes()))
+        statistics = path.with_suffix(".pkl")
+        self._normalize: Any = None
+        if statistics.exists():  # a VecNormalize, usable here without its environment
+            read = lambda: pickle.loads(statistics.read_bytes())  # noqa: E731
+            self._normalize = read_sidecar(statistics, read)
 
     def reset(self, view: View) -> None:
-        """Episodes begin.
+        """Begin new episodes.
 
         Raises:
-            ValueError: the robots observe or act otherwise than those that it was trained on.
+            ValueError: observations or actions differ from those of the training.
         """
         super().reset(view)
         (expected,) = self._model.observation_space.shape
         for name, parts in zip(view.names, view.layouts, strict=True):
-            here = max((part.slice.stop for part in parts), default=0)
-            if here != expected:
-                told = ", ".join(f"{p.name} ({p.slice.stop - p.slice.start})" for p in parts)
+            size = max((part.slice.stop for part in parts), default=0)
+            if size != expected:
+                sizes = ", ".join(f"{p.name} ({p.slice.stop - p.slice.start})" for p in parts)
                 raise ValueError(
-                    f"policy: {name!r} observes {here} numbers ({told}), expected {expected}; give"
-                    " the simulator the observation that it was trained with"
+                    f"policy: {name!r} observes {size} numbers ({sizes}), expected {expected}; give"
+                    " the simulator the observation of the training"
                 )
         (size,) = self._model.action_space.shape
         if size != view.action_size:
-            raise ValueError(f"policy: gives actions of {size}, expected {view.action_size}")
-        self._acting.reset(view)
+            raise ValueError(f"policy: got actions of {size}, expected {view.action_size}")
+        self._controller.reset(view)
 
     def act(self, observations: Floats32) -> Floats:
-        """Actions (worlds, robots, size)."""
+        """Return actions (worlds, robots, size)."""
         rows = observations.reshape(-1, observations.shape[-1])
-        if self._normal is not None:
-            rows = self._normal.normalize_obs(rows)
-        found, _ = self._model.predict(rows, deterministic=True)
-        asked = np.asarray(found, dtype=np.float64).reshape(*observations.shape[:2], -1)
-        return self._acting.actions(asked, observations)
+        if self._normalize is not None:
+            rows = self._normalize.normalize_obs(rows)
+        predicted, _ = self._model.predict(rows, deterministic=True)
+        outputs = np.asarray(predicted, dtype=np.float64).reshape(*observations.shape[:2], -1)
+        return self._controller.actions(outputs, observations)
 
 
-def beside(path: Path, read: Callable[[], Any]) -> Any:
-    """What is read from a file that belongs to a model; ValueError where it is damaged."""
+def read_sidecar(path: Path, read: Callable[[], Any]) -> Any:
+    """Read a file that belongs to a model; raise ValueError if it is damaged."""
     try:
         return read()
     except OSError:
         raise
     except Exception as error:  # a pickle may raise anything
-        told = f"policy: {path} is damaged; take it away, or save it again"
-        raise ValueError(told) from error
+        raise ValueError(f"policy: {path} is damaged; remove it, or save it again") from error
 
 
-def kind_of(path: Path) -> str:
-    """Which of the algorithms a file is of."""
+def algorithm_of(path: Path) -> str:
+    """Return the name of the algorithm of a saved model."""
     try:
         with zipfile.ZipFile(path) as file:
             keys = json.loads(file.read("data")).keys()
     except (KeyError, ValueError, zipfile.BadZipFile) as error:
-        told = f"policy: got {path}, expected a model that Stable-Baselines3 saved (.zip)"
-        raise ValueError(told) from error
-    return next((name for key, name in KEYS.items() if key in keys), "A2C")
+        message = f"policy: got {path}, expected a model that Stable-Baselines3 saved (.zip)"
+        raise ValueError(message) from error
+    return next((name for key, name in ALGORITHMS.items() if key in keys), "A2C")
+
+
+def sb3(argument: str, seed: int) -> Sb3Policy:
+    """Make the policy named `sb3:FILE`."""
+    if not argument:
+        raise ValueError("policy: got 'sb3:', expected sb3:FILE")
+    return Sb3Policy(argument)

@@ -6,21 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
-from fgenv.agents.policies.base_action import Acting, BaseAction
+from fgenv.agents.policies.residual import ResidualConfig, ResidualController
 from fgenv.agents.training.vec_env import FleetVecEnv
 from fgenv.envs import View
 from fgenv.envs.state_readers import MOVING
 
 
 class HomingVecEnv(FleetVecEnv):
-    """A `FleetVecEnv` whose actions a `BaseAction` makes of those that are asked for.
+    """A `FleetVecEnv` whose actions a `ResidualConfig` makes of those that are asked for.
 
     Attributes:
         base: how.
         moved: which rows were on the way when the last step began, (rows,) bool.
     """
 
-    base = BaseAction()
+    base = ResidualConfig()
     moved: NDArray[np.bool_]
 
     @property
@@ -31,7 +31,7 @@ class HomingVecEnv(FleetVecEnv):
     def reset(self) -> NDArray[np.float32]:
         """See `FleetVecEnv`."""
         self._seen = super().reset()
-        self._acting = Acting(self.base)
+        self._acting = ResidualController(self.base)
         self._acting.reset(View(self.simulator))
         return self._seen
 

@@ -10,8 +10,8 @@ import stable_baselines3
 import torch
 
 from fgenv import __version__
-from fgenv.agents.policies.base_action import BaseAction
-from fgenv.agents.policies.file import PolicyFile
+from fgenv.agents.policies.policy_file import PolicyFile
+from fgenv.agents.policies.residual import ResidualConfig
 from fgenv.envs import Simulator
 
 NAMES = {torch.nn.Tanh: "tanh", torch.nn.ReLU: "relu"}
@@ -22,7 +22,7 @@ def exported(
     normal: Any,
     simulator: Simulator,
     about: dict[str, Any],
-    base: BaseAction,
+    base: ResidualConfig,
 ) -> PolicyFile:
     """The network that gives the best action, and the normalization of what it sees.
 

@@ -29,9 +29,9 @@ from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
 from fgenv.agents.evaluation.episodes import run_cases
-from fgenv.agents.policies.base_action import BaseAction
-from fgenv.agents.policies.file import PolicyFile
-from fgenv.agents.policies.network import Trained
+from fgenv.agents.policies.network import NetworkPolicy
+from fgenv.agents.policies.policy_file import PolicyFile
+from fgenv.agents.policies.residual import ResidualConfig
 from fgenv.agents.training.base_policy import HomingVecEnv
 from fgenv.agents.training.export import exported
 from fgenv.agents.training.masked_rollout_buffer import MovingRollouts
@@ -145,7 +145,7 @@ class Training:
         """Evaluate, and write what there is; the policy where it is better than before."""
         self.next, self.checked = self.steps + self.config.every, self.steps
         file, most = self.export(), self.config.recipe.max_steps
-        found = checked(Trained(file), self._cases, self.steps, most)
+        found = checked(NetworkPolicy(file), self._cases, self.steps, most)
         if self.best is None or found.rank > self.best.rank:
             self.best = found
             file.save(self.folder / "policy.npz")
@@ -175,7 +175,7 @@ class Training:
         self._save_model()
         self.normal.save(str(self.folder / "model.pkl"))
         about = self.export().about
-        names = ("observation", "actions", *(of.name for of in fields(BaseAction)))
+        names = ("observation", "actions", *(of.name for of in fields(ResidualConfig)))
         told = {name: about[name] for name in names}
         (self.folder / "model.json").write_text(json.dumps(told), encoding="utf-8")
         state = {**self.settings, "steps": self.steps, "best": self.best and asdict(self.best)}
@@ -268,7 +268,7 @@ class Training:
             starts=stage.starts,
             max_steps=recipe.max_steps,
         )
-        envs.base = BaseAction(recipe.near, recipe.residual, recipe.orca)
+        envs.base = ResidualConfig(recipe.near, recipe.residual, recipe.orca)
         return envs
 
 
@@ -325,7 +325,7 @@ def batch_of(recipe: Recipe, rows: int) -> int:
     return next(b for b in range(min(recipe.batch, samples), 0, -1) if samples % b == 0)
 
 
-def checked(policy: Trained, cases: Sequence[FrozenSet], steps: int, most: int) -> Check:
+def checked(policy: NetworkPolicy, cases: Sequence[FrozenSet], steps: int, most: int) -> Check:
     """How it does in cases that it does not learn from; where there are none the last is best."""
     if not cases:
         return Check(steps, float(steps), 0.0, 0.0, 0.0)

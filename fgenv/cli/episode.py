@@ -43,8 +43,8 @@ def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool)
     """
     from rich.console import Console
 
-    from fgenv.agents import policy_of
     from fgenv.cli.episode_report import facts, tell
+    from fgenv.envs import policy_of
     from fgenv.metrics import Results
 
     console = Console(stderr=as_json, highlight=False)

@@ -62,8 +62,8 @@ def evaluate(
     from rich.console import Console
 
     from fgenv.agents.evaluation.evaluation import Evaluation
-    from fgenv.agents.registry import policy_of
     from fgenv.cli.scores_report import csv_of, facts, tell
+    from fgenv.envs import policy_of
 
     console = Console(stderr=as_json, highlight=False)
     writable(csv, plot)

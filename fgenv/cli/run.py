@@ -25,9 +25,9 @@ def names(incomplete: str) -> list[str]:
 
 def policies(incomplete: str) -> list[str]:
     """Policies, for tab completion."""
-    from fgenv.agents.registry import names
+    from fgenv.agents.policies.names import policy_names
 
-    return [name for name in names() if name.startswith(incomplete)]
+    return [name for name in policy_names() if name.startswith(incomplete)]
 
 
 def run(

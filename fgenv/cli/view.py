@@ -60,8 +60,8 @@ def view(
     robot's mask bit is light blue, with a line from that robot; Whose chooses
     one robot to show these of. Ctrl-C ends it.
     """
-    from fgenv.agents import policy_of
     from fgenv.cli.episode import EpisodeOptions, simulator_of, strictly
+    from fgenv.envs import policy_of
     from fgenv.view.web.live import Live
 
     acting = policy_of(policy, seed)

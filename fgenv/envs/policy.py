@@ -1,20 +1,32 @@
-"""Policies of the robots that do not learn."""
+"""Policies: the protocol, and policies by name.
+
+`register_policy` adds a policy of this process. Another package registers its policies by an entry
+point of the group `fgenv.policies` in its pyproject.toml:
+
+    [project.entry-points."fgenv.policies"]
+    mine = "my_package:make"
+
+where `make(argument, seed)` returns a policy: the argument is "" for `--policy mine` and
+"model.bin" for `--policy mine:model.bin`.
+"""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fgenv.arrays import Floats32
-
-from .simulator_view import View
+from fgenv.arrays import Floats, Floats32
+from fgenv.registry import POLICIES, load
+from fgenv.scenarios.errors import near
 
 if TYPE_CHECKING:
     from .simulator import Simulator
+    from .simulator_view import View
+
+GROUP = "fgenv.policies"
 
 
 @runtime_checkable
@@ -22,17 +34,20 @@ class Policy(Protocol):
     """Decides on the actions of all robots in all worlds at once."""
 
     def reset(self, view: View) -> None:
-        """Episodes begin; the view may be kept, it follows the simulator."""
+        """Begin new episodes; the view stays valid and follows the simulator."""
 
     def act(self, observations: Floats32) -> Any:
-        """Actions (worlds, robots, action_size) in [-1, 1], beyond is clipped.
+        """Return actions (worlds, robots, action_size) in [-1, 1]; the simulator clips them.
 
         Args:
-            observations: (worlds, robots, size) float32; `view.layouts` tells their parts.
+            observations: (worlds, robots, size) float32; `view.layouts` lists their parts.
         """
 
 
-class Called:
+PolicyFactory = Callable[[str, int], Policy]  # of (argument, seed)
+
+
+class FunctionPolicy:
     """A function of observations as a policy."""
 
     def __init__(self, function: Callable[[Floats32], Any]) -> None:
@@ -46,36 +61,78 @@ class Called:
         return self._function(observations)
 
 
-def policy_of(others: Any, seed: int = 0) -> Policy:
-    """The policy meant: one, a function of observations, or a name: `rest`, `random`, `goto`...
+def register_policy(name: str, factory: PolicyFactory | str) -> None:
+    """Register a policy, or replace the one of that name.
+
+    Args:
+        name: without a colon.
+        factory: called with (argument, seed), where the argument is the text after the colon of
+            `name:argument`, or ""; or a string "module:attribute", imported on first use.
+    """
+    POLICIES[name] = factory
+
+
+def policy_of(policy: str | Policy | Callable[[Floats32], Any], seed: int = 0) -> Policy:
+    """Return a policy by name, or make one of a function of observations.
+
+    Args:
+        policy: `goto`, `random`, `rest`; `orca`, `orca:shortest` (along the shortest path between
+            static bodies); `plan`, `plan:METHOD`, `plan:METHOD:PLANNER` (plan each episode),
+            `plan:FILE.npz` (drive a plan); `replan` with the same methods; `mlp:FILE`, `sb3:FILE`;
+            `safe:POLICY` (any of these behind a safety filter); or a registered name. A policy is
+            returned as it is.
+        seed: of random numbers in the policy, 0 or more.
 
     Raises:
-        TypeError, ValueError: it is none.
+        ValueError: unknown policy, method or planner, seed below 0, or invalid file.
+        TypeError: not a policy.
+        PlanError, FileNotFoundError: invalid or missing file.
     """
-    if isinstance(others, str):
-        agents: Any = importlib.import_module("fgenv.agents")  # it stands on this package
-        found: Policy = agents.policy_of(others, seed)
-        return found
-    if isinstance(others, Policy):
-        return others
-    if callable(others):
-        return Called(others)
+    if isinstance(policy, str):
+        return _make(policy, seed)
+    if isinstance(policy, Policy):
+        return policy
+    if callable(policy):
+        return FunctionPolicy(policy)
     raise TypeError(
-        f"others: got {type(others).__name__}, expected a name ('rest', 'goto', ...), a policy with"
+        f"policy: got {type(policy).__name__}, expected a name ('rest', 'goto', ...), a policy with"
         " reset(view) and act(observations), or a function of observations"
     )
 
 
-def actions_of(policy: Policy, simulator: Simulator, observations: Floats32) -> NDArray[np.float64]:
-    """What a policy wants, (worlds, robots, action size), a copy.
+def _make(name: str, seed: int) -> Policy:
+    kind, _, argument = name.partition(":")
+    if seed < 0:
+        raise ValueError(f"seed: got {seed}, expected 0 or more")
+    policy = _factory(kind)(argument, seed)
+    if not isinstance(policy, Policy):
+        raise TypeError(
+            f"policy: {name!r} makes a {type(policy).__name__}, expected one with reset(view),"
+            " act(observations)"
+        )
+    return policy
+
+
+def _factory(name: str) -> PolicyFactory:
+    if name in POLICIES:
+        factory: PolicyFactory = load(POLICIES[name])
+        return factory
+    for point in entry_points(group=GROUP, name=name):
+        loaded: PolicyFactory = point.load()
+        return loaded
+    raise ValueError(f"policy: got {name!r}, which is unknown; {near(name, POLICIES)}")
+
+
+def checked_actions(policy: Policy, simulator: Simulator, observations: Floats32) -> Floats:
+    """Return a copy of a policy's actions, (worlds, robots, action_size).
 
     Raises:
-        ValueError: another shape, or a number that is not finite.
+        ValueError: wrong shape, or a number that is not finite.
     """
-    asked = np.array(policy.act(observations), dtype=np.float64)
+    actions = np.array(policy.act(observations), dtype=np.float64)
     expected = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-    if asked.shape != expected:
-        raise ValueError(f"others: act gave shape {asked.shape}, expected {expected}")
-    if not np.isfinite(asked).all():
-        raise ValueError("others: act gave a number that is not finite")
-    return asked
+    if actions.shape != expected:
+        raise ValueError(f"policy: got actions of shape {actions.shape}, expected {expected}")
+    if not np.isfinite(actions).all():
+        raise ValueError("policy: got an action that is not finite, expected finite numbers")
+    return actions

@@ -1,4 +1,4 @@
-"""Taking a record while a simulator steps."""
+"""Recording of episodes while a simulator steps."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from fgenv import __version__
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 
-from .record import ARRAYS, BEFORE, Record
+from .record import ARRAYS, INITIAL, Record
 
 if TYPE_CHECKING:
     from .simulator import Simulator, Step
 
-SEEN = ("configurations", "status", "hits", "hit_robots", "hit_times", "hit_points", "clearances")
+RECORDED = (*INITIAL, "hits", "hit_robots", "hit_times", "hit_points", "clearances")
 
 
 class Recorder:
@@ -36,41 +36,39 @@ class Recorder:
 
     @property
     def begun(self) -> bool:
-        """Whether there is anything to take a record of."""
+        """Whether an episode is being recorded."""
         return self._simulator is not None
 
     def begin(self, simulator: Simulator, world: int = 0) -> None:
-        """Begin with the episode that this world is at the start of; what was there is dropped.
+        """Begin at the start of a world's episode; discard the previous recording.
 
         Raises:
-            ValueError: the simulator resets by itself, the episode has begun, or no such world.
+            ValueError: the simulator has autoreset, the episode has begun, or no such world.
         """
         if not 0 <= world < simulator.n_worlds:
             raise ValueError(f"world: got {world}, expected 0 to {simulator.n_worlds - 1}")
         if simulator.autoreset:
-            raise ValueError(
-                "simulator: it resets by itself, expected autoreset=False to record it"
-            )
+            raise ValueError("simulator: got autoreset=True, expected False to record it")
         if simulator.steps[world] != 0 or simulator.episodes[world] < 0:
-            raise ValueError("simulator: expected at the start of an episode, call reset()")
+            raise ValueError("simulator: got a running episode, expected its start; call reset()")
         self._simulator, self._world, self._rows = simulator, world, []
         self._ended = "stopped"
-        self._first = {name: getattr(simulator, name)[world] for name in BEFORE}
+        self._first = {name: getattr(simulator, name)[world] for name in INITIAL}
         self._scenario = with_hashes(scenario_of_episode(simulator, world))
-        self._about = about(simulator, world, self.policy)
+        self._about = metadata(simulator, world, self.policy)
 
     def add(self, actions: ArrayLike, step: Step) -> None:
-        """Add the step that the simulator has just made with these actions.
+        """Add the simulator's last step, made with these actions.
 
         Raises:
-            RuntimeError: `begin` was not called, or a step was left out.
+            RuntimeError: before `begin`, or a step is missing.
         """
         simulator, world = self._simulator, self._world if self._simulator else 0
         if simulator is None or simulator.steps[world] != len(self._rows) + 1:
             raise RuntimeError(
                 "recorder: expected begin() after each reset, and add() for each step"
             )
-        row = {name: getattr(simulator, name)[world] for name in SEEN}
+        row = {name: getattr(simulator, name)[world] for name in RECORDED}
         row["actions"] = np.array(actions, dtype=np.float64)[world]
         row["rewards"] = step.rewards[world].copy()
         self._rows.append(row)
@@ -78,19 +76,19 @@ class Recorder:
             self._ended = "terminated" if step.terminated[world] else "truncated"
 
     def record(self) -> Record:
-        """What was recorded so far.
+        """Return the record up to the last step.
 
         Raises:
-            RuntimeError: `begin` was not called.
+            RuntimeError: before `begin`.
         """
         if self._simulator is None:
-            raise RuntimeError("recorder: nothing is recorded, call begin() after a reset")
+            raise RuntimeError("recorder: nothing is recorded; call begin() after a reset")
         n, size = self._simulator.n_robots, self._simulator.action_size
         tails = {"actions": (n, size), "hit_points": (n, 3)}
         arrays = {}
         for name, dtype in ARRAYS.items():
             rows = [row[name] for row in self._rows]
-            if name in BEFORE:
+            if name in INITIAL:
                 rows.insert(0, self._first[name])
             empty = np.empty((0, *tails.get(name, (n,))), dtype=dtype)
             arrays[name] = np.array(rows, dtype=dtype) if rows else empty
@@ -98,7 +96,7 @@ class Recorder:
 
 
 def scenario_of_episode(simulator: Simulator, world: int = 0) -> Scenario:
-    """The scenario with starts, goals and bodies as a world's episode has them."""
+    """Return the scenario with the starts, goals and bodies of a world's episode."""
     scenario, several = simulator.scenario, simulator.cases.several
     if several is not None:
         case = several[int(simulator.case_numbers[world])]
@@ -113,8 +111,8 @@ def scenario_of_episode(simulator: Simulator, world: int = 0) -> Scenario:
     return scenario.model_copy(update={"robots": robots}).at(scenario.folder)
 
 
-def about(simulator: Simulator, world: int, policy: str) -> dict[str, Any]:
-    """What a record says beside the scenario."""
+def metadata(simulator: Simulator, world: int, policy: str) -> dict[str, Any]:
+    """Return a record's plain values beside the scenario."""
     return {
         "policy": policy,
         "seed": int(simulator.seeds[world]),

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fgenv.arrays import Flags, Floats, Floats32
 
-from .policy import actions_of, policy_of
+from .policy import checked_actions, policy_of
 from .simulator import Simulator
 from .simulator_view import View
 from .state_readers import MOVING
@@ -63,7 +63,7 @@ class Learner:
         own = self._checked(actions)
         if self._over.any():
             raise RuntimeError("step: the episode is over, or has not begun, call reset()")
-        asked = actions_of(self._policy, self.simulator, self._seen)
+        asked = checked_actions(self._policy, self.simulator, self._seen)
         asked[:, self.place, : own.shape[1]] = own
         done = self.simulator.step(asked)
         self._seen = done.observations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fgenv.envs import Record
-from fgenv.envs.record import ARRAYS, BEFORE, Arrays
+from fgenv.envs.record import ARRAYS, INITIAL, Arrays
 
 if TYPE_CHECKING:
     from fgenv.planners import Plan
@@ -56,7 +56,7 @@ def driven(plan: Plan) -> Record:
     arrays: Arrays = {"configurations": rows, "status": status}
     tails = {"actions": (1,), "hit_points": (3,)}
     for name in ARRAYS:
-        if name not in BEFORE:
+        if name not in INITIAL:
             arrays[name] = np.zeros((steps, n, *tails.get(name, ())))
     arrays["hits"] -= 1
     arrays["hit_robots"] -= 1

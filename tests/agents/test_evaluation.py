@@ -14,12 +14,12 @@ import pytest
 from scipy.stats import binomtest
 
 from fgenv import cli
-from fgenv.agents import GoTo, evaluate, policy_of
+from fgenv.agents import GoToPolicy, evaluate
 from fgenv.agents.evaluation.episodes import Episode, run_cases, straight
 from fgenv.agents.evaluation.evaluation import Evaluation, units
 from fgenv.agents.evaluation.scores import score
 from fgenv.confidence import mean, rate
-from fgenv.envs import Simulator
+from fgenv.envs import Simulator, policy_of
 from fgenv.metrics import Results, RobotResult
 from fgenv.scenarios import FrozenSet, frozen
 
@@ -133,7 +133,7 @@ def test_straight_is_goto_with_nothing_in_the_way(crossing: FrozenSet) -> None:
             simulator = Simulator(only, autoreset=False)
             from fgenv.agents import run_episode
 
-            run_episode(simulator, GoTo())
+            run_episode(simulator, GoToPolicy())
             alone = Results.of(simulator).robots[0]
             assert (one.arrival, one.path_length) == (alone.arrival, alone.path_length)
 

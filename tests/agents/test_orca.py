@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import minimize
 
 from fgenv import _core
-from fgenv.agents import Orca, policy_of, run_episode
+from fgenv.agents import OrcaPolicy, run_episode
 from fgenv.agents.evaluation.episodes import run_cases
-from fgenv.envs import Simulator, View
+from fgenv.envs import Simulator, View, policy_of
 from fgenv.robots.footprint import enclosing
 from fgenv.scenarios import Scenario, frozen
 
@@ -156,7 +156,7 @@ def test_the_mirror_image_gives_the_mirror_image() -> None:
 def test_jittered_swap_is_solved(n: int) -> None:
     """Discs of 0.3 m, differential drives of 1 m/s, circle of 4 m, jitter 0.2 m, 60 s."""
     cases = frozen("swap", n=n, jitter=0.2, cases=10)
-    found = run_cases(cases, Orca(), range(10), clearance=False)
+    found = run_cases(cases, OrcaPolicy(), range(10), clearance=False)
     assert np.mean([episode.success for episode in found]) >= 0.9
     assert sum(sum(episode.met_robots) for episode in found) <= 2
 
@@ -168,7 +168,7 @@ def test_holonomic_discs_pass_each_other() -> None:
     changed = model.model_validate({**model.model_dump(), "drive": drive})
     scenario = scenario.model_copy(update={"models": {"disc": changed}})
     simulator = Simulator(scenario, autoreset=False)
-    run_episode(simulator, Orca())
+    run_episode(simulator, OrcaPolicy())
     assert (simulator.arrival_steps >= 0).all()
     assert simulator.collision_counts.sum() == 0
 
@@ -190,7 +190,7 @@ def test_a_base_that_turns_as_it_goes_goes_where_it_wants() -> None:
     scenario = Scenario.load("random", n=1, fill=0.0, drive="holonomic")
     simulator = Simulator(scenario)
     simulator.reset()
-    policy = Orca()
+    policy = OrcaPolicy()
     policy.reset(View(simulator))
     simulator.place(0, 0, [-2.0, -1.0, 2.5], [2.0, 1.0, 0.0])
     turned = 0.0
@@ -211,7 +211,7 @@ def test_who_is_gone_hides_no_wall() -> None:
     here = first.model_copy(update={"goal": first.start})
     scenario = scenario.model_copy(update={"robots": (here, scenario.robots[1])})
     simulator = Simulator(scenario, autoreset=False)
-    policy, rows = Orca(), simulator.reset(seed=0)
+    policy, rows = OrcaPolicy(), simulator.reset(seed=0)
     policy.reset(View(simulator))
     q, beside = simulator.configurations, np.array([0.1, 0.0])
 
@@ -238,7 +238,7 @@ def test_who_flies_or_is_bolted_down_is_told() -> None:
         simulator = Simulator(name, n=2)
         simulator.reset(seed=0)
         with pytest.raises(ValueError, match="expected discs on a plane"):
-            Orca().reset(View(simulator))
+            OrcaPolicy().reset(View(simulator))
 
 
 def test_bad_arguments_are_told() -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fgenv.agents import PolicyError, PolicyFile, Trained, policy_of
-from fgenv.agents.named_policies import checked
-from fgenv.envs import Observation, Simulator, View
+from fgenv.agents import NetworkPolicy, PolicyError, PolicyFile, RandomPolicy, RestPolicy
+from fgenv.envs import Observation, Simulator, View, policy_of
+from fgenv.registry import POLICIES
 
 SEEN = Observation(lidar=False, neighbors=2, pad=True)
 
@@ -45,7 +45,7 @@ def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
 
 def test_it_acts_as_its_numbers_say() -> None:
     file = made()
-    policy, simulator = Trained(file), Simulator("swap", 3, n=4, observation=SEEN)
+    policy, simulator = NetworkPolicy(file), Simulator("swap", 3, n=4, observation=SEEN)
     rows = simulator.reset(seed=0)
     policy.reset(View(simulator))
     hidden = np.clip((rows - file.mean) / file.std, -10, 10)
@@ -56,7 +56,7 @@ def test_it_acts_as_its_numbers_say() -> None:
 
 def test_near_its_goal_goto_takes_over() -> None:
     file = made(near=4.0)
-    plain, added = Trained(made()), Trained(file)
+    plain, added = NetworkPolicy(made()), NetworkPolicy(file)
     simulator = Simulator("swap", n=4, jitter=0.3, seed=5, observation=SEEN)
     rows = simulator.reset(seed=0)
     for policy in (plain, added):
@@ -72,7 +72,7 @@ def test_way_points_have_numbers_of_their_own(tmp_path: Path) -> None:
     (first, (w, b)) = file.layers
     wider = (np.concatenate([w, w[:, :1]], axis=1), np.concatenate([b, b[:1]]))
     replace(file, layers=(first, wider)).save(tmp_path / "policy.npz")
-    policy = Trained.load(tmp_path / "policy.npz")
+    policy = NetworkPolicy.load(tmp_path / "policy.npz")
     simulator = Simulator("swap", n=3, observation=SEEN, actions="way_points")
     rows = simulator.reset(seed=0)
     policy.reset(View(simulator))
@@ -107,20 +107,20 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         PolicyFile.load(tmp_path / "none.npz")
     with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
         made().save(tmp_path / "policy.zip")
-    with pytest.raises(PolicyError, match="activation: 'gelu', expected tanh or relu"):
+    with pytest.raises(PolicyError, match="activation: got 'gelu', expected tanh or relu"):
         made(activation="gelu")
     with pytest.raises(PolicyError, match=r"mean, std: expected \(6,\)"):
         made(parts=[["goal", 4], ["velocity", 2]])
     for change, told in (
-        ({"layers": ()}, "layers: none, expected from 20 to 2"),
-        ({"layers": made().layers[:1]}, "layers: from 20 to 5 numbers, expected from 20 to 2"),
+        ({"layers": ()}, "layers: got none, expected from 20 to 2"),
+        ({"layers": made().layers[:1]}, "layers: got from 20 to 5 numbers, expected from 20 to 2"),
         ({"mean": np.full(20, np.nan)}, "mean, std: expected finite numbers"),
-        ({"about": {"near": 0.0}}, "says nothing of action_names, actions, activation, clip"),
+        ({"about": {"near": 0.0}}, "action_names, actions, activation, clip, .* missing"),
     ):
         with pytest.raises(PolicyError, match=told):
             replace(made(), **change)
     with pytest.raises(
-        ValueError, match="policy: 'mlp:', expected mlp:FILE, or one that comes along: mlp:"
+        ValueError, match="policy: got 'mlp:', expected mlp:FILE or an included policy: mlp:"
     ):
         policy_of("mlp:")
     (tmp_path / "model.zip").write_bytes(b"no zip")
@@ -130,8 +130,6 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
 
 
 def test_other_packages_offer_policies(monkeypatch: pytest.MonkeyPatch) -> None:
-    from fgenv.agents import RandomPolicy, named_policies
-
     class Point:
         @staticmethod
         def load() -> Any:
@@ -143,10 +141,16 @@ def test_other_packages_offer_policies(monkeypatch: pytest.MonkeyPatch) -> None:
         asked.append((group, name))
         return [Point] if name == "mine" else []
 
-    monkeypatch.setattr(named_policies, "entry_points", points)
+    monkeypatch.setattr("fgenv.envs.policy.entry_points", points)
     assert isinstance(policy_of("mine:abc", 4), RandomPolicy)
     assert asked == [("fgenv.policies", "mine")]
-    with pytest.raises(ValueError, match="policy: 'yours' is not known"):
+    with pytest.raises(ValueError, match="policy: got 'yours', which is unknown"):
         policy_of("yours")
-    with pytest.raises(TypeError, match="'mine' makes a int, expected one with"):
-        checked(3, "mine")
+
+
+def test_a_registered_factory_must_make_a_policy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(POLICIES, "three", lambda argument, seed: 3)
+    with pytest.raises(TypeError, match="'three' makes a int, expected one with"):
+        policy_of("three")
+    monkeypatch.setitem(POLICIES, "three", "fgenv.agents.policies.rest:rest")
+    assert isinstance(policy_of("three"), RestPolicy)

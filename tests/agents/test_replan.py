@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support.plans import Held, driven
 
-from fgenv.agents import Replanning, policy_of, run_episode
+from fgenv.agents import ReplanPolicy, run_episode
 from fgenv.agents.tracking.replan_problem import from_here, onward
-from fgenv.envs import Policy, Simulator, View
+from fgenv.envs import Policy, Simulator, View, policy_of
 from fgenv.metrics import Results
 
 
@@ -31,7 +31,7 @@ class Mixed:
 @pytest.mark.parametrize(("name", "n"), [("swap", 4), ("doorway", 3), ("cell", 2)])
 def test_where_nothing_happens_it_is_the_plan(name: str, n: int) -> None:
     results, policy = driven(name, "replan:composite", n=n)
-    assert isinstance(policy, Replanning)
+    assert isinstance(policy, ReplanPolicy)
     assert results.success_rate == 1.0
     assert (results.collisions, policy.replans) == (0, 0)
     assert policy.tracking_error < 1e-9
@@ -39,7 +39,7 @@ def test_where_nothing_happens_it_is_the_plan(name: str, n: int) -> None:
 
 @pytest.mark.parametrize("name", ["swap", "warehouse"])
 def test_others_go_around_who_never_comes(name: str) -> None:
-    simulator, policy = Simulator(name, n=4, autoreset=False), Replanning("prioritized")
+    simulator, policy = Simulator(name, n=4, autoreset=False), ReplanPolicy("prioritized")
     record = run_episode(simulator, Held(policy, 1, 10, 10_000), steps=200)
     results = Results.of(record)
     assert (record["hits"] == -1).all()
@@ -48,7 +48,7 @@ def test_others_go_around_who_never_comes(name: str) -> None:
 
 
 def test_who_comes_later_is_counted_on_again() -> None:
-    simulator, policy = Simulator("swap", n=4, autoreset=False), Replanning("prioritized")
+    simulator, policy = Simulator("swap", n=4, autoreset=False), ReplanPolicy("prioritized")
     results = Results.of(run_episode(simulator, Held(policy, 1, 10, 60)))
     assert results.success_rate == 1.0
     assert results.collisions == 0
@@ -57,7 +57,7 @@ def test_who_comes_later_is_counted_on_again() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_nobody_drives_into_a_robot_that_another_policy_moves(seed: int) -> None:
     simulator = Simulator("swap", n=4, seed=seed, jitter=0.3, autoreset=False)
-    policy = Replanning("prioritized", seed=seed)
+    policy = ReplanPolicy("prioritized", seed=seed)
     record = run_episode(simulator, Mixed(policy, policy_of("random", seed)), steps=100)
     # Nobody meets anybody but the one, and that only where it moves into their way meanwhile.
     met = record["hit_robots"][:, 1:]

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fgenv.agents import policy_of
-from fgenv.envs import Simulator, View
+from fgenv.envs import Simulator, View, policy_of
 
 
 def collisions(name: str, policy: str, **options: object) -> int:
@@ -61,5 +60,5 @@ def test_a_filter_takes_what_its_policy_observes() -> None:
 
 
 def test_a_filter_of_nothing_is_told() -> None:
-    with pytest.raises(ValueError, match="policy: 'nobody' is not known"):
+    with pytest.raises(ValueError, match="policy: got 'nobody', which is unknown"):
         policy_of("safe:nobody")

@@ -16,12 +16,12 @@ import pytest
 pytest.importorskip("stable_baselines3")
 
 from fgenv import cli
-from fgenv.agents import PolicyFile, policy_of, run_episode
-from fgenv.agents.policies.network import Trained
+from fgenv.agents import PolicyFile, run_episode
+from fgenv.agents.policies.network import NetworkPolicy
 from fgenv.agents.policies.sb3 import Sb3Policy
 from fgenv.agents.training.recipes import RECIPES, Recipe, Stage, recipe_of, staged
 from fgenv.agents.training.training import Training, TrainingConfig
-from fgenv.envs import Simulator, View
+from fgenv.envs import Simulator, View, policy_of
 from fgenv.scenarios import Scenario
 
 SMALL = {
@@ -64,7 +64,7 @@ def test_it_writes_what_it_says(folder: Path) -> None:
 
 def test_the_file_runs_without_torch(folder: Path) -> None:
     code = (
-        "import sys; from fgenv.agents import policy_of, run_episode;"
+        "import sys; from fgenv.agents import run_episode; from fgenv.envs import policy_of;"
         "from fgenv.envs import Simulator;"
         f"p = policy_of('mlp:{folder / 'policy.npz'}');"
         "s = Simulator('swap', n=5, observation=p.observation, autoreset=False);"
@@ -78,7 +78,7 @@ def test_the_network_acts_as_the_model_does(folder: Path) -> None:
     model, acts = Sb3Policy(folder / "model.zip"), []
     training = Training(TrainingConfig("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
     training._begin(0, SWAP.stages[-1])
-    for policy in (Trained(training.export()), model):
+    for policy in (NetworkPolicy(training.export()), model):
         simulator = Simulator("swap", 4, n=6, jitter=0.3, observation=policy.observation)
         rows = simulator.reset(seed=0)
         policy.reset(View(simulator))
@@ -102,7 +102,7 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
     assert training.model.use_sde
     assert training.model.sde_sample_freq == recipe.held
     acts = []
-    for policy in (Trained(training.export()), Sb3Policy(tmp_path / "one" / "model.zip")):
+    for policy in (NetworkPolicy(training.export()), Sb3Policy(tmp_path / "one" / "model.zip")):
         simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)
         rows = simulator.reset(seed=0)
         policy.reset(View(simulator))
@@ -111,13 +111,13 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
             rows = simulator.step(acts[0][len(acts[-1]) - 1]).observations
             acts[-1].append(policy.act(rows))
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
-    policy = Trained(file)
+    policy = NetworkPolicy(file)
     seen = replace(policy.observation, pad=False)  # rows of two neighbors, of the six it knows
     simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=seen)
     rows = simulator.reset(seed=0)
     policy.reset(View(simulator))
     padded = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)
-    other, expected = Trained(file), padded.reset(seed=0)
+    other, expected = NetworkPolicy(file), padded.reset(seed=0)
     other.reset(View(padded))
     assert (policy.act(rows) == other.act(expected)).all()
 
@@ -254,7 +254,7 @@ def test_other_robots_are_refused(folder: Path) -> None:
 
 
 def test_fewer_robots_are_padded(folder: Path) -> None:
-    policy = Trained.load(folder / "policy.npz")
+    policy = NetworkPolicy.load(folder / "policy.npz")
     seen = []
     for pad in (True, False):
         simulator = Simulator("swap", n=2, observation=replace(policy.observation, pad=pad))

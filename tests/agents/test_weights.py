@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
-from fgenv.agents import Trained, policy_of
+from fgenv.agents import NetworkPolicy
 from fgenv.agents.evaluation.episodes import run_cases
-from fgenv.agents.named_policies import shipped
+from fgenv.agents.weights import included
 from fgenv.bench.policies.run import chosen
+from fgenv.envs import policy_of
 from fgenv.scenarios import frozen
 
 # Of the first 12 cases of a set of `fgenv bench policies`: successes, and steps of the longest
@@ -52,12 +53,12 @@ KNOWN = {
 }
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", included())
 def test_files_are_small_and_tell_where_they_come_from(name: str) -> None:
     policy = policy_of(f"mlp:{name}")
-    assert isinstance(policy, Trained)
+    assert isinstance(policy, NetworkPolicy)
     assert policy.file.about["command"].startswith("fgenv train ")
-    assert shipped()[name].stat().st_size < 200_000
+    assert included()[name].stat().st_size < 200_000
 
 
 def test_all_sets_are_known() -> None:

@@ -8,13 +8,13 @@ from types import SimpleNamespace as Namespace
 import pytest
 
 from fgenv import cli
-from fgenv.agents.named_policies import shipped
+from fgenv.agents.weights import included
 from fgenv.bench.policies.run import Trial, chosen, record, run, trials
 
 
 def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
     named = {trial.policy for trial in trials()}
-    assert set(shipped()) <= named
+    assert set(included()) <= named
     for trial in chosen("shipped"):
         own = (f"mlp:{trial.policy}", f"safe:mlp:{trial.policy}")
         guided = ("orca:shortest",) if trial.scenario not in ("swap", "forest") else ()

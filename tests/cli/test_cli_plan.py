@@ -16,7 +16,7 @@ import trimesh
 
 from fgenv import cli
 from fgenv.cli import errors
-from fgenv.envs import Record
+from fgenv.envs import Record, replay
 from fgenv.planners import Plan
 from fgenv.planners.plan import PLAN
 
@@ -66,7 +66,7 @@ def test_a_plan_is_told_kept_proved_and_driven(fgenv: Shell) -> None:
     assert (said["success_rate"], said["collisions"]) == (1.0, 0)
     assert said["tracking_error"] < 1e-9
     assert said["makespan"] <= plan.makespan + 1e-9
-    Record.load("r.npz").replay()
+    replay(Record.load("r.npz"))
 
 
 def test_json_is_what_the_file_has(fgenv: Shell) -> None:

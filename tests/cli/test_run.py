@@ -13,10 +13,11 @@ from PIL import Image
 from support.episodes import alone
 
 from fgenv import cli
-from fgenv.agents import POLICIES, GoTo, policy_of, run_episode
+from fgenv.agents import GoToPolicy, run_episode
 from fgenv.cli import errors
-from fgenv.envs import Record, Simulator
+from fgenv.envs import Record, Simulator, policy_of, replay
 from fgenv.metrics import Results
+from fgenv.registry import POLICIES
 from fgenv.scenarios import frozen
 from fgenv.view.figures.episode_frames import frames_of, steps_shown
 from fgenv.view.figures.movie import frame_seconds, write_movie
@@ -67,7 +68,7 @@ def test_each_robot_has_a_row(fgenv: Shell) -> None:
 def test_json_is_what_the_simulator_says(fgenv: Shell) -> None:
     said = fgenv.json("intersection", "--n", 1, "--seed", 3)
     simulator = Simulator("intersection", n=1, seed=3, autoreset=False, clearance=True)
-    run_episode(simulator, GoTo(), seed=3)
+    run_episode(simulator, GoToPolicy(), seed=3)
     facts = Results.of(simulator).facts
     assert {key: said[key] for key in facts} == facts
     assert (said["policy"], said["seed"], said["ended"]) == ("goto", 3, "terminated")
@@ -116,7 +117,7 @@ def test_record_and_movie_are_of_the_run(fgenv: Shell, tmp_path: Path) -> None:
     assert said["written"] == [str(file) for file in files]
     record = Record.load(files[0])
     assert (len(record), record.policy) == (3, "goto")
-    facts = json.loads(json.dumps(Results.of(record.replay()).facts))
+    facts = json.loads(json.dumps(Results.of(replay(record)).facts))
     assert said["robots"] == facts["robots"]
     with Image.open(files[1]) as movie:
         assert (movie.size, movie.n_frames) == ((480, 360), 3)  # at 0, 0.2 and 0.3 s
@@ -125,13 +126,13 @@ def test_record_and_movie_are_of_the_run(fgenv: Shell, tmp_path: Path) -> None:
 def test_interrupted_it_keeps_what_there_is(
     fgenv: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Tired(GoTo):
+    class Tired(GoToPolicy):
         def act(self, observations: np.ndarray) -> np.ndarray:
             if self.view.steps[0] == 7:
                 raise KeyboardInterrupt
             return super().act(observations)
 
-    monkeypatch.setitem(POLICIES, "tired", lambda seed: Tired())
+    monkeypatch.setitem(POLICIES, "tired", lambda argument, seed: Tired())
     files = tmp_path / "r.npz", tmp_path / "m.gif"
     code, out, _ = fgenv("swap", "--policy", "tired", "--record", files[0], "--movie", files[1])
     assert code == errors.INTERRUPTED
@@ -190,11 +191,11 @@ def test_bad_input_is_2_and_one_line(
 def test_a_policy_that_acts_badly_is_told(
     fgenv: Shell, bad: Any, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Bad(GoTo):
+    class Bad(GoToPolicy):
         def act(self, observations: np.ndarray) -> np.ndarray:
             return bad
 
-    monkeypatch.setitem(POLICIES, "bad", lambda seed: Bad())
+    monkeypatch.setitem(POLICIES, "bad", lambda argument, seed: Bad())
     code, out, err = fgenv("swap", "--n", 2, "--policy", "bad")
     assert (code, out, err.count("\n")) == (errors.BAD_INPUT, "", 1)
     assert told in err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import importlib
 import pickle
 import subprocess
 import sys
@@ -180,7 +181,7 @@ def test_what_does_not_fit_is_named() -> None:
         single(robot="robot 9")
     with pytest.raises(ValueError, match="robot: got 4, expected 0 to 3"):
         single(robot=4)
-    with pytest.raises(TypeError, match="others: int, expected a name"):
+    with pytest.raises(TypeError, match="policy: got int, expected a name"):
         single(others=3)
     with pytest.raises(ScenarioError, match="jiter"):
         gymnasium.make("fgenv/swap-v0", jiter=1)
@@ -196,3 +197,27 @@ def test_what_does_not_fit_is_named() -> None:
     with pytest.raises(ValueError, match="action of 'robot 1' in world 0"):
         env.step(np.array([0, np.nan]))
     assert env.simulator.state() == before
+
+
+@pytest.mark.parametrize("imports", ["fgenv, gymnasium, pettingzoo", "gymnasium, pettingzoo, fgenv"])
+def test_importing_fgenv_registers_the_ids(imports: str) -> None:
+    code = (
+        f"import {imports}\n"
+        "gymnasium.make('fgenv/doorway-v0', n=2)\n"
+        "pettingzoo.make('aec', 'fgenv/doorway-v0', n=2)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_importing_fgenv_imports_nothing_heavy() -> None:
+    code = "import sys, fgenv; print({'numpy', 'gymnasium', 'pydantic', 'ompl'} & set(sys.modules))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("package", ["fgenv", "fgenv.envs", "fgenv.agents"])
+def test_dir_lists_public_names_that_exist(package: str) -> None:
+    module = importlib.import_module(package)
+    assert dir(module) == sorted(module.__all__)
+    for name in dir(module):
+        assert getattr(module, name) is not None

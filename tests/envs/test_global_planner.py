@@ -13,8 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 from support.robots import random_tree
 
 from fgenv import _core
-from fgenv.agents import policy_of
-from fgenv.envs import Observation, Simulator, View
+from fgenv.envs import Observation, Simulator, View, policy_of
 from fgenv.envs.state_readers import MOVING, PARKED
 from fgenv.robots.footprint import discs_of, footprint
 from fgenv.robots.limits import reaches

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from support.episodes import alone
 
-from fgenv.agents import GoTo, policy_of, run_episode
-from fgenv.envs import Simulator
+from fgenv.agents import GoToPolicy, run_episode
+from fgenv.envs import Simulator, policy_of
 from fgenv.metrics import Results, path_length
 from fgenv.robots import Joint, Link, Robot
 from fgenv.scenarios import Scenario
@@ -131,7 +131,7 @@ def test_joints_without_end_go_the_shorter_way() -> None:
 
 def test_before_any_step_nothing_has_happened() -> None:
     simulator = Simulator("cell", autoreset=False)
-    results = Results.of(run_episode(simulator, GoTo(), steps=0))
+    results = Results.of(run_episode(simulator, GoToPolicy(), steps=0))
     assert (results.steps, results.collisions, results.arrived) == (0, 0, 0)
 
 

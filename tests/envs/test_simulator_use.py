@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fgenv.agents import GoTo, run_episode
+from fgenv.agents import GoToPolicy, run_episode
 from fgenv.envs import Observation, Simulator
 
 Q, TWO = [0.0, 0.0, 0.0], np.zeros((1, 2, 3))
@@ -62,7 +62,7 @@ def test_bad_input_is_told_and_nothing_has_changed(use: Callable[[Simulator], An
 )
 def test_after_the_end_is_told_of_a_state_as_well(options: dict[str, Any]) -> None:
     simulator = Simulator("swap", n=2, autoreset=False, **options)
-    run_episode(simulator, GoTo())
+    run_episode(simulator, GoToPolicy())
     other = Simulator("swap", n=2, autoreset=False, **options)
     other.set_state(simulator.state())
     for ended in (simulator, other):

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.agents import Planned, policy_of, run_episode
-from fgenv.envs import Policy, Simulator, View
+from fgenv.agents import PlanPolicy, run_episode
+from fgenv.envs import Policy, Simulator, View, policy_of, replay
 from fgenv.metrics import Results
 
 
@@ -28,11 +28,11 @@ class Held:
         return actions
 
 
-def driven(name: str, policy: str, **options: Any) -> tuple[Results, Planned]:
+def driven(name: str, policy: str, **options: Any) -> tuple[Results, PlanPolicy]:
     """An episode, which is run again from its record; and the policy after it."""
     simulator, made = Simulator(name, autoreset=False, **options), policy_of(policy)
-    assert isinstance(made, Planned)
+    assert isinstance(made, PlanPolicy)
     made.strict = True
     record = run_episode(simulator, made)
-    record.replay()
+    replay(record)
     return Results.of(record), made

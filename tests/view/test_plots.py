@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 from support.shell import Shell
 
-from fgenv.agents import policy_of, run_episode
-from fgenv.envs import Record, Simulator
+from fgenv.agents import run_episode
+from fgenv.envs import Record, Simulator, policy_of
 
 pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure

@@ -5,8 +5,8 @@ import pytest
 from PIL import Image
 from support.shell import Shell
 
-from fgenv.agents import policy_of, run_episode
-from fgenv.envs import Record, Simulator
+from fgenv.agents import run_episode
+from fgenv.envs import Record, Simulator, policy_of
 from fgenv.view.contact_events import meetings
 from fgenv.view.figures.annotations import Notes
 from fgenv.view.figures.camera_path import CAMERAS, Tripod

@@ -12,9 +12,9 @@ from support.browser import CHROMIUM, page
 from support.shell import Shell
 
 import fgenv
-from fgenv.agents import policy_of, run_episode
+from fgenv.agents import run_episode
 from fgenv.collision import Shape
-from fgenv.envs import Record, Simulator
+from fgenv.envs import Record, Simulator, policy_of
 from fgenv.view.contact_events import meetings
 from fgenv.view.episodes import load_episode
 from fgenv.view.web.meshes import mesh_of, quaternions

@@ -14,8 +14,7 @@ from support.browser import CHROMIUM, Page, page
 from support.shell import Shell
 
 import fgenv
-from fgenv.agents import policy_of
-from fgenv.envs import Simulator, View
+from fgenv.envs import Simulator, View, policy_of
 
 pytest.importorskip("viser")
 from fgenv.view.web import drawings

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fgenv.agents.evaluation.evaluation import Evaluation, evaluate
-from fgenv.agents.named_policies import shipped
+from fgenv.agents.weights import included
 from fgenv.scenarios import frozen
 
 Record = dict[str, Any]
@@ -45,7 +45,7 @@ class Trial:
         the one that comes along, and the same filtered."""
         found = (self.base, GUIDED) if self.walls else (self.base,)
         own = (f"mlp:{self.policy}", f"safe:mlp:{self.policy}")
-        return (*found, *own) if self.policy in shipped() else found
+        return (*found, *own) if self.policy in included() else found
 
     @property
     def walls(self) -> bool:
@@ -91,7 +91,7 @@ def chosen(which: str) -> list[Trial]:
     if which == "all":
         return every
     if which == "shipped":
-        return [trial for trial in every if trial.policy in shipped()]
+        return [trial for trial in every if trial.policy in included()]
     words = [word.strip() for word in which.split(",")]
     found = [trial for trial in every if any(word in trial.name for word in words)]
     if not found:

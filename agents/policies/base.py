@@ -1,25 +1,25 @@
-"""What policies share that look at more than their observations."""
+"""Base class of policies that use the view of the simulator."""
 
 from fgenv.envs import Observation, View
 
 
-class Seeing:
-    """Keeps the view that it was reset with.
+class BasePolicy:
+    """Keeps the view of the last reset.
 
     Attributes:
-        observation: what it wants the simulator to let robots observe; None: whatever it does.
+        observation: required by the policy; None: any.
     """
 
     observation: Observation | None = None
     _view: View | None = None
 
     def reset(self, view: View) -> None:
-        """Episodes begin."""
+        """Begin new episodes."""
         self._view = view
 
     @property
     def view(self) -> View:
-        """Of the simulator.
+        """View of the simulator.
 
         Raises:
             RuntimeError: before the first reset.

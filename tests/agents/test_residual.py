@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fgenv.agents import Orca
-from fgenv.agents.policies.base_action import Acting, BaseAction
+from fgenv.agents import OrcaPolicy
+from fgenv.agents.policies.residual import ResidualConfig, ResidualController
 from fgenv.agents.tracking.velocity_tracking import targets
 from fgenv.envs import Observation, Simulator, View
 
@@ -18,9 +18,9 @@ def view() -> View:
     return View(simulator)
 
 
-def acting(base: BaseAction, view: View) -> Acting:
+def acting(base: ResidualConfig, view: View) -> ResidualController:
     """What makes actions in the simulator of a view."""
-    made = Acting(base)
+    made = ResidualController(base)
     made.reset(view)
     return made
 
@@ -28,16 +28,16 @@ def acting(base: BaseAction, view: View) -> Acting:
 def test_an_output_of_nothing_goes_along_the_path(view: View) -> None:
     seen = view._simulator.observe()
     asked = np.zeros((2, 3, 2))
-    found = acting(BaseAction(residual=2.0), view).actions(asked, seen)
+    found = acting(ResidualConfig(residual=2.0), view).actions(asked, seen)
     assert (found == np.clip(view.toward(targets(view, seen)), -1, 1)).all()
-    assert (acting(BaseAction(), view).actions(asked, seen) == asked).all()
+    assert (acting(ResidualConfig(), view).actions(asked, seen) == asked).all()
 
 
 def test_a_residual_takes_over_whatever_goto_does(view: View) -> None:
     seen = view._simulator.observe()
     for end in (-1.0, 1.0):
         asked = np.full((2, 3, 2), end)
-        assert (acting(BaseAction(residual=2.0), view).actions(asked, seen) == end).all()
+        assert (acting(ResidualConfig(residual=2.0), view).actions(asked, seen) == end).all()
 
 
 def test_targets_are_where_the_hint_is_and_looked_at_on_the_way(view: View) -> None:
@@ -60,7 +60,7 @@ def test_who_has_to_turn_at_its_goal_begins_in_time() -> None:
     simulator = Simulator("random", n=1, fill=0.0, drive="holonomic", autoreset=False)
     simulator.reset(seed=0)
     simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 0.0, np.pi])
-    base, steps = acting(BaseAction(residual=2.0), View(simulator)), 0
+    base, steps = acting(ResidualConfig(residual=2.0), View(simulator)), 0
     seen, nothing = simulator.observe(), np.zeros((1, 1, 3))
     while simulator.arrival_steps[0, 0] < 0:
         yaw = simulator.configurations[0, 0, 2]
@@ -80,7 +80,7 @@ def test_near_its_goal_a_robot_does_what_goto_does(view: View) -> None:
     seen = view._simulator.observe()
     far = float(np.mean(view.remaining))
     asked = np.full((2, 3, 2), 0.25)
-    found = acting(BaseAction(near=far), view).actions(asked, seen)
+    found = acting(ResidualConfig(near=far), view).actions(asked, seen)
     near = view.remaining < far
     assert 0 < near.sum() < near.size
     assert (found[near] == view.toward(view.goals)[near]).all()
@@ -91,7 +91,7 @@ def test_who_follows_its_path_alone_arrives() -> None:
     simulator = Simulator("doorway", n=1, drive="holonomic", observation=HINT, autoreset=False)
     for seed in range(5):
         seen = simulator.reset(seed=seed)
-        base = acting(BaseAction(near=0.3, residual=2.0), View(simulator))
+        base = acting(ResidualConfig(near=0.3, residual=2.0), View(simulator))
         for _ in range(200):
             step = simulator.step(base.actions(np.zeros((1, 1, simulator.action_size)), seen))
             seen = step.observations
@@ -102,9 +102,9 @@ def test_who_follows_its_path_alone_arrives() -> None:
 
 def test_an_output_of_nothing_over_orca_is_orca(view: View) -> None:
     seen = view._simulator.observe()
-    orca = Orca.guided()
+    orca = OrcaPolicy.guided()
     orca.reset(view)
-    base = acting(BaseAction(near=0.3, residual=1.5, orca=True), view)
+    base = acting(ResidualConfig(near=0.3, residual=1.5, orca=True), view)
     assert (base.actions(np.zeros((2, 3, 2)), seen) == orca.act(seen)).all()
 
 
@@ -114,7 +114,7 @@ def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
     ahead = np.array([np.cos(0.5), np.sin(0.5)])  # it looks there, so that it does not turn
     simulator.place(0, 0, [0.0, 0.0, 0.5], [*(3.0 * ahead), 0.5])
     simulator.place(0, 1, [0.0, 6.0, 0.0], [3.0, 6.0, 0.0])
-    base = acting(BaseAction(residual=2.0, orca=True), View(simulator))
+    base = acting(ResidualConfig(residual=2.0, orca=True), View(simulator))
     asked = np.zeros((1, 2, 3))
     asked[0, 0, 1] = 1.0  # to its left, where the other one goes
     seen = simulator.observe()
@@ -131,9 +131,10 @@ def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
 
 def test_near_its_goal_no_output_counts_over_orca(view: View) -> None:
     seen = view._simulator.observe()
-    base = acting(BaseAction(near=float(np.mean(view.remaining)), residual=1.5, orca=True), view)
+    near = float(np.mean(view.remaining))
+    base = acting(ResidualConfig(near=near, residual=1.5, orca=True), view)
     nothing, some = (base.actions(np.full((2, 3, 2), x), seen) for x in (0.0, -1.0))
-    near = view.remaining < base.base.near
+    near = view.remaining < base.config.near
     assert 0 < near.sum() < near.size
     same = (nothing == some).all(axis=-1)
     assert same[near].all()
@@ -144,4 +145,4 @@ def test_orca_over_no_plane_is_told() -> None:
     simulator = Simulator("forest", n=2)
     simulator.reset(seed=0)
     with pytest.raises(ValueError, match="orca: 'robot 1' has a free base"):
-        acting(BaseAction(residual=1.0, orca=True), View(simulator))
+        acting(ResidualConfig(residual=1.0, orca=True), View(simulator))
