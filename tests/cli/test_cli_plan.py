@@ -167,7 +167,7 @@ def test_no_plan_is_1_and_one_line(fgenv: Shell) -> None:
         ("plan --mesh none.stl --start 1,2,3 --goal 1,2,3", "none.stl"),
         ("verify none.npz", "none.npz: No such file or directory"),
         ("run swap --policy plan:none.npz", "none.npz: No such file or directory"),
-        ("run swap --policy plan:compsite", "method: 'compsite' is not known"),
+        ("run swap --policy plan:compsite", "method: got 'compsite', which is unknown"),
     ],
 )
 def test_bad_input_is_2_and_one_line(fgenv: Shell, arguments: str, told: str) -> None:

@@ -150,7 +150,7 @@ def test_interrupted_it_keeps_what_there_is(
         ("swop", "'swop' is no built-in scenario; did you mean 'swap'?"),
         ("none.yaml", "none.yaml: No such file or directory"),
         ("none.npz", "none.npz: No such file or directory"),
-        ("swap --policy gotoo", "policy: 'gotoo' is not known; did you mean 'goto'?"),
+        ("swap --policy gotoo", "policy: got 'gotoo', which is unknown; did you mean 'goto'?"),
         ("swap --set jiter=0.1", "jiter: is no known override; did you mean 'jitter'?"),
         ("swap --set jitter", "--set: 'jitter', expected KEY=VALUE"),
         ("swap --set horizon=-1", "horizon: is -1, should be greater than 0"),

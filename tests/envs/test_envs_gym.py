@@ -190,7 +190,7 @@ def test_what_does_not_fit_is_named() -> None:
     env = single(others=lambda rows: np.zeros((1, 3, 2)))
     env.reset(seed=0)
     before = env.simulator.state()
-    with pytest.raises(ValueError, match=r"act gave shape \(1, 3, 2\), expected \(1, 4, 2\)"):
+    with pytest.raises(ValueError, match=r"got actions of shape \(1, 3, 2\), expected \(1, 4, 2\)"):
         env.step(np.zeros(2))
     with pytest.raises(ValueError, match="action of 'robot 1': shape"):
         env.step(np.zeros(3))
