@@ -16,6 +16,6 @@ plant() { # plant FILE IMPORT
   cp -L "${1}" "$copy/$1"
 }
 plant fgenv/planners/problem.py fgenv.envs.simulator
-plant fgenv/envs/rewards.py fgenv.agents.registry
+plant fgenv/envs/rewards.py fgenv.agents.policies.goto
 plant fgenv/robots/limits.py fgenv.robots.robot
 echo 'three planted imports were refused'

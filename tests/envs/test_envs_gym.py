@@ -199,7 +199,9 @@ def test_what_does_not_fit_is_named() -> None:
     assert env.simulator.state() == before
 
 
-@pytest.mark.parametrize("imports", ["fgenv, gymnasium, pettingzoo", "gymnasium, pettingzoo, fgenv"])
+@pytest.mark.parametrize(
+    "imports", ["fgenv, gymnasium, pettingzoo", "gymnasium, pettingzoo, fgenv"]
+)
 def test_importing_fgenv_registers_the_ids(imports: str) -> None:
     code = (
         f"import {imports}\n"
