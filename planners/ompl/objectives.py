@@ -11,6 +11,7 @@ from fgenv.planners.steering import legs
 from fgenv.planners.timing import amounts_of, seconds
 
 from .setup import Setup
+from .spaces import configurations_of
 
 MIN_CLEARANCE = 1e-3  # m; a smaller clearance costs as much
 OBJECTIVES = ("length", "clearance", "time")
@@ -52,8 +53,8 @@ class TimeObjective(ob.OptimizationObjective):  # type: ignore[misc]
 
     def __init__(self, si: Any, made: Setup) -> None:
         super().__init__(si)
-        self._configurations, self._read = made.configurations, made.buffer.read
-        self._layouts, self._dt = made.layouts, made.problem.dt
+        # A reference to the set-up would be a cycle through OMPL that is never freed.
+        self._read, self._layouts, self._dt = made.buffer.read, made.layouts, made.problem.dt
 
     def stateCost(self, state: Any) -> Any:  # noqa: N802
         """Zero: only motions have a cost."""
@@ -62,7 +63,7 @@ class TimeObjective(ob.OptimizationObjective):  # type: ignore[misc]
     def motionCost(self, a: Any, b: Any) -> Any:  # noqa: N802
         """Seconds from one state to another."""
         slowest = 0.0
-        ends = (self._configurations(self._read(state)) for state in (a, b))
+        ends = (configurations_of(self._layouts, self._read(state)) for state in (a, b))
         for layout, q0, q1 in zip(self._layouts, *ends, strict=True):
             rows = legs(layout.robot, q0, q1, layout.steering.way)
             amounts = [amounts_of(layout.robot, *leg, self._dt) for leg in pairwise(rows)]

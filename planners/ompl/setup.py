@@ -15,7 +15,7 @@ from fgenv.planners.problem import Problem
 from fgenv.planners.steering import Steering
 
 from .checkers import MotionValidator, StateValidityChecker
-from .spaces import StateLayout, joint_space, state_space
+from .spaces import StateLayout, configurations_of, joint_space, state_space
 from .states import StateBuffer
 
 
@@ -64,9 +64,7 @@ class Setup(og.SimpleSetup):  # type: ignore[misc]
 
     def configurations(self, states: Floats) -> list[Floats]:
         """Configurations (..., nq) of each planned robot in joint states (..., size)."""
-        ends = np.cumsum([layout.size for layout in self.layouts])[:-1]
-        parts = zip(self.layouts, np.split(states, ends, axis=-1), strict=True)
-        return [layout.configurations(part) for layout, part in parts]
+        return configurations_of(self.layouts, states)
 
     def states_of(self, path: Any) -> Floats:
         """States (m, size) of one of OMPL's geometric paths."""

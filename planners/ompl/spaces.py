@@ -66,6 +66,13 @@ class StateLayout:
         return np.concatenate(parts, axis=-1)
 
 
+def configurations_of(layouts: Sequence[StateLayout], states: Floats) -> list[Floats]:
+    """Configurations (..., nq) of each robot in joint states (..., size)."""
+    ends = np.cumsum([layout.size for layout in layouts])[:-1]
+    parts = zip(layouts, np.split(states, ends, axis=-1), strict=True)
+    return [layout.configurations(part) for layout, part in parts]
+
+
 def state_space(layout: StateLayout, bounds: Floats | None = None) -> Any:
     """Return the OMPL state space of one robot.
 

@@ -77,7 +77,7 @@ def test_json_is_what_the_file_has(fgenv: Shell) -> None:
     assert [robot["arrival"] for robot in said["robots"]] == list(plan.arrivals)
     assert said["certificate"]["proved"]
     proof = fgenv.json("verify", "p.npz")
-    assert (proof["id"], proof["steps"], proof["failed"]) == (plan.id, plan.steps, None)
+    assert (proof["id"], proof["steps"], proof["failed_step"]) == (plan.id, plan.steps, None)
 
 
 def test_same_arguments_same_plan(fgenv: Shell) -> None:
