@@ -42,16 +42,22 @@ assert {world.mask(body) for body in far} == {2}
 for start, end in pairwise(lane):
     assert world.check_motion(first, start, end)
 across = world.check_motion(first, lane[-1], place(20.0, 15.0))
-print(f"straight on it is free up to {19.0 * across.contact:.6f} m: nothing stands in this aisle")
+print(
+    f"straight on it is free up to {19.0 * across.free_until:.6f} m: nothing stands in this aisle"
+)
 across = world.check_motion(first, lane[-1], place(20.0, 14.0))
 met = world.record(across.other).name
-print(f"slanting it is free up to {np.hypot(19.0, 1.0) * across.contact:.6f} m, then {met} is met")
+print(
+    f"slanting it is free up to {np.hypot(19.0, 1.0) * across.free_until:.6f} m, then {met} is met"
+)
 
 # A door known to open in time: shut at 0 s, aside at 4 s.
 door = world.add(panel, place(5.0, 15.0), name="door")
 world.set_trajectory(door, [0.0, 4.0], [place(5.0, 15.0), place(5.0, 16.9)])
 for begin in (0.0, 4.0):
-    drive = world.check_motion(first, lane[-1], place(9.0, 15.0), t0=begin, t1=begin + 4.0)
+    drive = world.check_motion(
+        first, lane[-1], place(9.0, 15.0), start_time=begin, end_time=begin + 4.0
+    )
     print(f"setting off at {begin} s: {'free' if drive else world.record(drive.other).name}")
 
 world.clear_path(first)

@@ -16,8 +16,8 @@ from trimesh.transformations import quaternion_matrix
 
 from fgenv.agents import run_episode
 from fgenv.arrays import Floats
+from fgenv.collision import BodyRecord as Body
 from fgenv.collision import Shape
-from fgenv.collision.world import Record as Body
 from fgenv.envs import Record
 from fgenv.paper import figures
 from fgenv.view import Camera, Floor, Picture, Solid

@@ -61,32 +61,32 @@ class Shape:
     @property
     def native_graph(self) -> FeatureGraph: ...
 
-def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.0, threads: int | None = None) -> Any:
+def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, margin: float = 0.0, threads: int | None = None) -> Any:
     """
     Whether two posed shapes collide.
 
-    Exact for shapes of method `exact`; touching counts, and so does being inside a watertight shape.
-    Where either shape's method is `loop`, a's cycle is tested against b's faces, as published.
+    Exact for shapes of method `exact`. Touching counts, and so does containment in a watertight shape.
+    If either shape's method is `loop`, a's cycle is tested against b's faces, as published.
 
     Args:
         a, b: shapes.
         Ta, Tb: their poses (..., 4, 4), rigid, meters; leading dimensions broadcast.
-        margin: meters; over 0, what is no farther apart than this collides. Distances are exact whatever
-            the shapes' methods, and so is this verdict.
+        margin: meters; shapes no farther apart than this collide. With a margin over 0 the result is
+            exact for all methods, as distances are.
         threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
     Returns:
         bool for single poses, else a bool array of the broadcast shape.
 
     Raises:
-        TypeError, ValueError: naming the argument, what came and what is expected.
+        TypeError, ValueError: the argument, the value received and the value expected.
     """
 
-def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
+def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, threads: int | None = None) -> Any:
     """
-    Distance of two posed shapes in meters; 0 where they collide, containment included.
+    Distance of two posed shapes in meters; 0 if they collide, containment included.
 
-    Exact whatever the shapes' methods.
+    Exact for all methods.
 
     Args:
         a, b, Ta, Tb, threads: as for collide.
@@ -95,16 +95,16 @@ def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | No
         float for single poses, else a float64 array of the broadcast shape.
     """
 
-def nearest(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
+def nearest_points(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
     pass
 
-def contact(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Any:
+def contact_point(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Any:
     pass
 
-def contains(shape: Shape, points: ArrayLike, T: ArrayLike, threads: int | None = None) -> NDArray[bool_]:
+def contains(shape: Shape, points: ArrayLike, T: ArrayLike, *, threads: int | None = None) -> NDArray[bool_]:
     pass
 
-def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
+def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, *, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
     pass
 
 class World:
@@ -112,9 +112,9 @@ class World:
 
     def copy_from(self, arg: World, /) -> None: ...
 
-    def add_body(self, shape: Shape, pose: ArrayLike, name: str, groups: str | Iterable[str], id: int) -> int: ...
+    def add_body(self, shape: Shape, pose: ArrayLike, name: str, *, groups: str | Iterable[str], id: int) -> int: ...
 
-    def add_robot(self, robot: Robot, q: ArrayLike, parts: list[tuple[str, int, Shape, ArrayLike]], allowed: Sequence[tuple[int, int]], name: str, like: str, groups: str | Iterable[str]) -> int: ...
+    def add_robot(self, robot: Robot, q: ArrayLike, parts: list[tuple[str, int, Shape, ArrayLike]], *, allowed: Sequence[tuple[int, int]], name: str, default_name: str, groups: str | Iterable[str]) -> int: ...
 
     def remove(self, body: int | str) -> int: ...
 
@@ -158,21 +158,21 @@ class World:
 
     def __len__(self) -> int: ...
 
-    def collides(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, margin: float, threads: int | None) -> Any: ...
+    def collides(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, *, margin: float, threads: int | None) -> Any: ...
 
-    def clearance(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+    def clearance(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, *, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
 
-    def check_motion(self, robot: int | str, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, mode: str, resolution: float | None, first: bool, t0: float | None, t1: float | None, threads: int | None) -> tuple[Any, Any, Any, Any, Any, Any]: ...
+    def contact_pairs(self, margin: float, threads: int | None) -> NDArray[int32]: ...
 
-    def meet(self, a: int | str, A0: ArrayLike, A1: ArrayLike, b: int | str, B0: ArrayLike, B1: ArrayLike, margin: float, tolerance: float, threads: int | None) -> Any: ...
+    def raycast(self, origins: ArrayLike, directions: ArrayLike, max_distance: float, *, ignore: Any, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
 
-    def check_motions(self, robots: Any, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+    def check_motion(self, robot: int | str, start: ArrayLike, end: ArrayLike, *, margin: float, tolerance: float, mode: str, resolution: float | None, first_contact: bool, start_time: float | None, end_time: float | None, threads: int | None) -> tuple[Any, Any, Any, Any, Any, Any]: ...
 
-    def advance(self, robots: Any, to: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+    def motions_collide(self, a: int | str, start_a: ArrayLike, end_a: ArrayLike, *, b: int | str, start_b: ArrayLike, end_b: ArrayLike, margin: float, tolerance: float, threads: int | None) -> Any: ...
 
-    def contacts(self, margin: float, threads: int | None) -> NDArray[int32]: ...
+    def check_motions(self, robots: Any, start: ArrayLike, end: ArrayLike, *, margin: float, tolerance: float, start_time: float | None, end_time: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
 
-    def raycast(self, origins: ArrayLike, directions: ArrayLike, max_distance: float, ignore: Any, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+    def advance(self, robots: Any, end: ArrayLike, *, margin: float, tolerance: float, start_time: float | None, end_time: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
 
     def state(self) -> dict[str, Any]: ...
 
@@ -183,6 +183,8 @@ class World:
     def ids(self) -> NDArray[int32]: ...
 
     def names(self) -> list[str]: ...
+
+    def labels(self, ids: Sequence[int]) -> list[tuple[str | None, int, int]]: ...
 
 class Robot:
     def __init__(self, kinds: Sequence[int], parents: Sequence[int], origins: ArrayLike, axes: ArrayLike, firsts: Sequence[int], multipliers: Sequence[float], offsets: Sequence[float], names: Sequence[str]) -> None: ...
@@ -311,5 +313,5 @@ class Network:
 def cheapest_way(prices: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
     pass
 
-def orca(discs: ArrayLike, expected: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
+def orca(discs: ArrayLike, wanted: ArrayLike, speeds: ArrayLike, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
     """Velocities by optimal reciprocal collision avoidance."""

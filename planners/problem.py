@@ -185,11 +185,11 @@ class Problem:
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
         touching = [
             b if a in links else a
-            for a, b in world.contacts(margin=self.margin).tolist()
+            for a, b in world.contact_pairs(margin=self.margin).tolist()
             if a in links or b in links
         ]
         bodies = sorted({names[body].split("/")[0] for body in touching if body not in links})
         if bodies:
             return " and ".join(bodies)
-        inside = any(a in links and b in links for a, b in world.contacts().tolist())
+        inside = any(a in links and b in links for a, b in world.contact_pairs().tolist())
         return "itself" if inside else "something"

@@ -122,7 +122,7 @@ def test_scenarios_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     exec(block("scenarios"), names)
     assert names["problems"] == []
     assert len(names["built"].robots) == len(names["world"]) == 8
-    assert len(names["world"].contacts()) == 0
+    assert len(names["world"].contact_pairs()) == 0
     assert len(names["cases"]) == 100
     assert Path("swap-8.npz").stat().st_size < 100 * 170
     assert names["frozen"]("swap-8.npz", id=names["cases"].id).id == names["cases"].id
@@ -135,8 +135,8 @@ def test_motions_are_as_shown() -> None:
     assert not hit.free
     assert hit.other == names["door"]
     # The ball's foremost vertex meets the plate's face.
-    assert hit.contact * 2.0 == pytest.approx(1.005 - 5e-5 - 0.002, abs=2e-6)
-    assert 0 < (hit.contact_by - hit.contact) * 2.0 <= 1e-6
+    assert hit.free_until * 2.0 == pytest.approx(1.005 - 5e-5 - 0.002, abs=2e-6)
+    assert 0 < (hit.contact_by - hit.free_until) * 2.0 <= 1e-6
     assert names["steps"].free
     assert both.free.tolist() == [False, False]
     assert both.other.tolist() == [names["door"], names["bullet"]]

@@ -63,6 +63,6 @@ def met(plan: Plan, certificate: Certificate) -> str:
             others = dict(zip(alone.ids.tolist(), alone.names, strict=True))
             return f"{names[i]} and {others.get(int(found.other), 'something').split('/')[0]}"
     for (i, a), (j, b) in combinations(enumerate(zip(problem.robots, ways, strict=True)), 2):
-        if problem.world.meet(a[0], *a[1], b[0], *b[1], margin=margin):
+        if problem.world.motions_collide(a[0], *a[1], b[0], *b[1], margin=margin):
             return f"{names[i]} and {names[j]}"
     return ""

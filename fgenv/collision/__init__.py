@@ -9,23 +9,23 @@ objects" (feature points, feature graph, masks), made exact: see README, "How it
 """
 
 from .feature_graph import FeatureGraph
-from .queries import Contact, Nearest, collide, contact, distance, nearest
+from .queries import ContactPoint, NearestPoints, collide, contact_point, distance, nearest_points
 from .shape import MeshWarning, Shape
-from .world import Clearances, MotionResult, RayHits, Record, World
+from .world import BodyRecord, Clearances, MotionResult, RayHits, World
 
 __all__ = [
+    "BodyRecord",
     "Clearances",
-    "Contact",
+    "ContactPoint",
     "FeatureGraph",
     "MeshWarning",
     "MotionResult",
-    "Nearest",
+    "NearestPoints",
     "RayHits",
-    "Record",
     "Shape",
     "World",
     "collide",
-    "contact",
+    "contact_point",
     "distance",
-    "nearest",
+    "nearest_points",
 ]

@@ -10,58 +10,59 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fgenv import _core
+from fgenv.arrays import Floats
 
 from .shape import Shape
 
 
-class Nearest(NamedTuple):
+class NearestPoints(NamedTuple):
     """Nearest points of two shapes, world frame; leading dimensions are those of the poses."""
 
-    distance: NDArray[np.float64]  # (...), meters; 0 where they collide
-    point_a: NDArray[np.float64]  # (..., 3)
-    point_b: NDArray[np.float64]  # (..., 3)
-    normal: NDArray[np.float64]  # (..., 3), unit, from b to a
+    distance: Floats  # (...), meters; 0 if they collide
+    point_a: Floats  # (..., 3)
+    point_b: Floats  # (..., 3)
+    normal: Floats  # (..., 3), unit, from b to a
 
 
-class Contact(NamedTuple):
-    """What shows a collision, world frame."""
+class ContactPoint(NamedTuple):
+    """A contact point and the features that intersect there, world frame."""
 
-    point: NDArray[np.float64]  # (3,)
-    normal: NDArray[np.float64]  # (3,), unit: the way to push a off b
-    edge: NDArray[np.float64] | None  # (2, 3) ends of the feature edge; None: one is inside
-    face: int | None  # index of the face that it meets, of the other shape
-    edge_of: str | None  # "a" or "b": whose feature edge
+    point: Floats  # (3,)
+    normal: Floats  # (3,), unit: the direction that moves a off b
+    edge: Floats | None  # (2, 3) ends of the feature edge; None: one shape contains the other
+    face: int | None  # index of the other shape's face that the edge meets
+    edge_of: str | None  # "a" or "b": the shape that the edge belongs to
 
 
 collide = _core.collide
 distance = _core.distance
 
 
-def nearest(
+def nearest_points(
     a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, threads: int | None = None
-) -> Nearest:
+) -> NearestPoints:
     """Nearest points, distance and normal.
 
-    Where the shapes collide the distance is 0 and both points are a contact point.
+    If the shapes collide, the distance is 0 and both points are a contact point.
     """
-    return Nearest(*_core.nearest(a, Ta, b, Tb, threads))
+    return NearestPoints(*_core.nearest_points(a, Ta, b, Tb, threads=threads))
 
 
-def contact(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Contact | None:
-    """A contact point with the feature edge and the face that show it; None if free.
+def contact_point(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> ContactPoint | None:
+    """A contact point with its feature edge and face; None without a collision.
 
     Args:
         Ta, Tb: one pose each, (4, 4).
     """
-    found = _core.contact(a, Ta, b, Tb)
+    found = _core.contact_point(a, Ta, b, Tb)
     if found is None:
         return None
     point, normal, edge, face, edge_of_a = found
     if edge is None:
-        return Contact(np.array(point), np.array(normal), None, None, None)
-    return Contact(
+        return ContactPoint(np.array(point), np.array(normal), None, None, None)
+    return ContactPoint(
         np.array(point), np.array(normal), np.array(edge), face, "a" if edge_of_a else "b"
     )

@@ -106,7 +106,7 @@ class Shape(_core.Shape):
 
         Inside means that the winding number is not 0. ValueError unless the mesh is watertight.
         """
-        return _core.contains(self, points, IDENTITY if T is None else T, threads)
+        return _core.contains(self, points, IDENTITY if T is None else T, threads=threads)
 
     def raycast(
         self,
@@ -128,7 +128,9 @@ class Shape(_core.Shape):
             Distances in meters (inf: no hit) and face indices (-1: no hit), broadcast.
         """
         pose = IDENTITY if T is None else T
-        return _core.raycast(self, origins, directions, pose, max_distance, threads)
+        return _core.raycast(
+            self, origins, directions, pose, max_distance=max_distance, threads=threads
+        )
 
     def __repr__(self) -> str:
         label = f"{self.name!r}: " if self.name else ""

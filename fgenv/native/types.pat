@@ -27,31 +27,31 @@ fgenv._core.Shape.repairs$:
     def repairs(self) -> dict[str, int]: ...
 
 fgenv._core.collide$:
-    def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, margin: float = 0.0, threads: int | None = None) -> Any:
+    def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, margin: float = 0.0, threads: int | None = None) -> Any:
         \doc
 
 fgenv._core.distance$:
-    def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> Any:
+    def distance(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, threads: int | None = None) -> Any:
         \doc
 
-fgenv._core.nearest$:
-    def nearest(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
+fgenv._core.nearest_points$:
+    def nearest_points(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, threads: int | None = None) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
         \doc
 
-fgenv._core.contact$:
-    def contact(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Any:
+fgenv._core.contact_point$:
+    def contact_point(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike) -> Any:
         \doc
 
 fgenv._core.contains$:
-    def contains(shape: Shape, points: ArrayLike, T: ArrayLike, threads: int | None = None) -> NDArray[bool_]:
+    def contains(shape: Shape, points: ArrayLike, T: ArrayLike, *, threads: int | None = None) -> NDArray[bool_]:
         \doc
 
 fgenv._core.raycast$:
-    def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
+    def raycast(shape: Shape, origins: ArrayLike, directions: ArrayLike, T: ArrayLike, *, max_distance: float, threads: int | None = None) -> tuple[NDArray[float64], NDArray[int32]]:
         \doc
 
 fgenv._core.World.add_body$:
-    def add_body(self, shape: Shape, pose: ArrayLike, name: str, groups: str | Iterable[str], id: int) -> int: ...
+    def add_body(self, shape: Shape, pose: ArrayLike, name: str, *, groups: str | Iterable[str], id: int) -> int: ...
 
 fgenv._core.World.remove$:
     def remove(self, body: int | str) -> int: ...
@@ -78,7 +78,7 @@ fgenv._core.World.restore$:
     def restore(self, state: dict[str, Any], robots: dict[int, Robot]) -> None: ...
 
 fgenv._core.World.add_robot$:
-    def add_robot(self, robot: Robot, q: ArrayLike, parts: list[tuple[str, int, Shape, ArrayLike]], allowed: Sequence[tuple[int, int]], name: str, like: str, groups: str | Iterable[str]) -> int: ...
+    def add_robot(self, robot: Robot, q: ArrayLike, parts: list[tuple[str, int, Shape, ArrayLike]], *, allowed: Sequence[tuple[int, int]], name: str, default_name: str, groups: str | Iterable[str]) -> int: ...
 
 fgenv._core.World.set_configuration$:
     def set_configuration(self, robot: int | str, q: ArrayLike) -> None: ...
@@ -88,6 +88,9 @@ fgenv._core.World.configuration$:
 
 fgenv._core.World.parts$:
     def parts(self, robot: int | str) -> NDArray[int32]: ...
+
+fgenv._core.World.labels$:
+    def labels(self, ids: Sequence[int]) -> list[tuple[str | None, int, int]]: ...
 
 fgenv._core.World.names$:
     def names(self) -> list[str]: ...
@@ -114,25 +117,25 @@ fgenv._core.World.own_bit$:
     def own_bit(self, robot: int | str) -> int: ...
 
 fgenv._core.World.collides$:
-    def collides(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, margin: float, threads: int | None) -> Any: ...
+    def collides(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, *, margin: float, threads: int | None) -> Any: ...
 
 fgenv._core.World.clearance$:
-    def clearance(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+    def clearance(self, robot: int | str, poses: ArrayLike, times: ArrayLike | None, *, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
 
 fgenv._core.World.check_motion$:
-    def check_motion(self, robot: int | str, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, mode: str, resolution: float | None, first: bool, t0: float | None, t1: float | None, threads: int | None) -> tuple[Any, Any, Any, Any, Any, Any]: ...
+    def check_motion(self, robot: int | str, start: ArrayLike, end: ArrayLike, *, margin: float, tolerance: float, mode: str, resolution: float | None, first_contact: bool, start_time: float | None, end_time: float | None, threads: int | None) -> tuple[Any, Any, Any, Any, Any, Any]: ...
 
 fgenv._core.World.check_motions$:
-    def check_motions(self, robots: Any, T0: ArrayLike, T1: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+    def check_motions(self, robots: Any, start: ArrayLike, end: ArrayLike, *, margin: float, tolerance: float, start_time: float | None, end_time: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
 
 fgenv._core.World.advance$:
-    def advance(self, robots: Any, to: ArrayLike, margin: float, tolerance: float, t0: float | None, t1: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
+    def advance(self, robots: Any, end: ArrayLike, *, margin: float, tolerance: float, start_time: float | None, end_time: float | None) -> tuple[NDArray[bool_], NDArray[float64], NDArray[float64], NDArray[int32], NDArray[int32], NDArray[int64]]: ...
 
-fgenv._core.World.contacts$:
-    def contacts(self, margin: float, threads: int | None) -> NDArray[int32]: ...
+fgenv._core.World.contact_pairs$:
+    def contact_pairs(self, margin: float, threads: int | None) -> NDArray[int32]: ...
 
 fgenv._core.World.raycast$:
-    def raycast(self, origins: ArrayLike, directions: ArrayLike, max_distance: float, ignore: Any, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
+    def raycast(self, origins: ArrayLike, directions: ArrayLike, max_distance: float, *, ignore: Any, threads: int | None) -> tuple[NDArray[float64], NDArray[int32]]: ...
 
 fgenv._core.World.record$:
     def record(self, body: int | str) -> dict[str, Any]: ...
@@ -204,8 +207,8 @@ fgenv._core.Painter.__init__$:
 fgenv._core.Painter.paint$:
     def paint(self, poses: ArrayLike, eye: ArrayLike, axes: ArrayLike, pixels_per_slope: float, width: int, height: int, floor: ArrayLike | None, marks: ArrayLike, samples: int, contrast: float, threads: int | None) -> NDArray[uint8]: ...
 
-fgenv._core.World.meet$:
-    def meet(self, a: int | str, A0: ArrayLike, A1: ArrayLike, b: int | str, B0: ArrayLike, B1: ArrayLike, margin: float, tolerance: float, threads: int | None) -> Any: ...
+fgenv._core.World.motions_collide$:
+    def motions_collide(self, a: int | str, start_a: ArrayLike, end_a: ArrayLike, *, b: int | str, start_b: ArrayLike, end_b: ArrayLike, margin: float, tolerance: float, threads: int | None) -> Any: ...
 
 fgenv._core.Checker.__init__$:
     def __init__(self, world: World, robots: Any, sizes: Sequence[int], ways: Sequence[int], radii: Sequence[float], reverse: Sequence[bool], margin: float, tolerance: float, resolution: float, rooms: Sequence[Sequence[float]] = []) -> None: ...

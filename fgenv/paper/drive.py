@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from fgenv.arrays import Floats
-from fgenv.collision import Contact, contact
+from fgenv.collision import ContactPoint, contact_point
 from fgenv.collision.world import TOLERANCE
 from fgenv.paper.scene import masks, robot_shape
 from fgenv.paper.timed_path import TimedPath, radius_of
@@ -32,7 +32,7 @@ class FirstContact:
     before: Floats
     after: Floats
     bracket: float
-    contact: Contact
+    contact: ContactPoint
 
 
 @dataclass(frozen=True)
@@ -119,10 +119,10 @@ def _first_contact(problem: Problem, timed: TimedPath, step: Floats, start: floa
     end = detected + 2 * TOLERANCE / timed.speed  # the contact can begin at the end of the step
     motion = world.check_motion(robot, *timed.at([begin, end]))
     body = world.record(int(motion.other))
-    free, hit = (begin + float(f) * (end - begin) for f in (motion.contact, motion.contact_by))
+    free, hit = (begin + float(f) * (end - begin) for f in (motion.free_until, motion.contact_by))
     before, after = timed.at([free, end if motion.unresolved else hit])
     pose = problem.models[0].forward(after, 0)
-    touch = contact(robot_shape(problem), pose, body.shape, body.pose)
+    touch = contact_point(robot_shape(problem), pose, body.shape, body.pose)
     if touch is None:
         raise RuntimeError(
             f"step: the motion from {before.tolist()} is neither certified free of {body.name} nor"

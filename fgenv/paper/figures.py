@@ -9,7 +9,7 @@ from PIL import Image
 
 from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
-from fgenv.collision.world import Record
+from fgenv.collision.world import BodyRecord
 from fgenv.paper.drive import FirstContact
 from fgenv.paper.experiment import Experiment
 from fgenv.paper.scene import model_list, robot_shape
@@ -148,7 +148,7 @@ def collision(experiment: Experiment) -> Image.Image:
     return captioned(beside([wide.image(), near.image()]), "Figure 8. Collision", text)
 
 
-def _near(bodies: list[Record], hit: FirstContact, colors: dict[str, Color]) -> Picture:
+def _near(bodies: list[BodyRecord], hit: FirstContact, colors: dict[str, Color]) -> Picture:
     solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
     point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
     camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
@@ -163,7 +163,7 @@ def _near(bodies: list[Record], hit: FirstContact, colors: dict[str, Color]) -> 
     return picture
 
 
-def _alone(body: Record, ghost: bool = False) -> Picture:
+def _alone(body: BodyRecord, ghost: bool = False) -> Picture:
     camera = portrait(body, *PANEL)
     size = float(np.ptp(body.bounds, axis=0).max())
     grid = float(10.0 ** np.floor(np.log10(size)) / 4)
@@ -173,11 +173,11 @@ def _alone(body: Record, ghost: bool = False) -> Picture:
     return stage([], camera, {}, extra=[solid], grid=grid)
 
 
-def _graph(body: Record, method: str) -> FeatureGraph:
+def _graph(body: BodyRecord, method: str) -> FeatureGraph:
     return FeatureGraph(body.shape.vertices, body.shape.faces, method=method)
 
 
-def _edges(graph: FeatureGraph, body: Record) -> Floats:
+def _edges(graph: FeatureGraph, body: BodyRecord) -> Floats:
     return placed(graph.points[graph.edges], body.pose)
 
 
@@ -186,7 +186,7 @@ def _end(experiment: Experiment) -> Floats:
     return np.asarray(experiment.drives[-1].driven[-1])
 
 
-def _bodies(experiment: Experiment, at: Floats) -> list[Record]:
+def _bodies(experiment: Experiment, at: Floats) -> list[BodyRecord]:
     """All bodies, the robot first, at a configuration (3,)."""
     robot, *tanks = model_list(experiment.problem.world)
     return [replace(robot, pose=experiment.problem.models[0].forward(at, 0)), *tanks]
@@ -208,7 +208,7 @@ def _on_floor(path: Floats) -> Floats:
     return np.column_stack([path[:, :2], np.full(len(path), LIFT)])
 
 
-def _above(body: Record) -> Floats:
+def _above(body: BodyRecord) -> Floats:
     low, high = body.bounds
     middle = (low + high) / 2
     return np.array([middle[0], middle[1], high[2] + 0.3])

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.collision import Shape, World
-from fgenv.collision.world import Record
+from fgenv.collision.world import BodyRecord
 from fgenv.planners import PlanningError, Problem
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.schema import Placement
@@ -63,7 +63,7 @@ def three_tanks(mesh: str | Path | None = None, *, scale: float = 1.0) -> Proble
     return problem
 
 
-def model_list(world: World) -> list[Record]:
+def model_list(world: World) -> list[BodyRecord]:
     """The records of all bodies, the robot's first."""
     records = [world.record(body) for body in world.ids.tolist()]
     return sorted(records, key=lambda record: record.robot is None)

@@ -3,7 +3,7 @@
 >>> from fgenv.scenarios import Scenario
 >>> scenario = Scenario.load("swap", n=8, seed=3, jitter=0.1)  # or Scenario.load("my.yaml")
 >>> built = scenario.build()                                   # robots, starts, goals, poses
->>> built.world().contacts()                                   # none
+>>> built.world().contact_pairs()                                   # none
 """
 
 from fgenv.scenarios.build import Built

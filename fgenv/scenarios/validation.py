@@ -204,7 +204,7 @@ def places(built: Built, numbers: Sequence[int]) -> Iterator[Found]:
             body: i for i, own in enumerate(built.groups) for body in world.parts(own[0]).tolist()
         }
         seen = set()
-        for pair in world.contacts().tolist():
+        for pair in world.contact_pairs().tolist():
             a, b = (names[k] for k in pair)
             who = owner.get(pair[0]), owner.get(pair[1])
             vanish = built.scenario.at_goal == "vanish" and end == "goal"

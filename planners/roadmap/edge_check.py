@@ -26,7 +26,7 @@ class EdgeCheck:
 
     def free(self, q0: Floats, q1: Floats) -> Flags:
         """Whether the motions from q0 to q1 (..., nq) are certified free."""
-        result = self.world.check_motion(self.name, q0, q1, margin=self.margin, first=False)
+        result = self.world.check_motion(self.name, q0, q1, margin=self.margin, first_contact=False)
         return np.asarray(result.free, dtype=bool)
 
     def free_edges(self, q: Floats, edges: Ints) -> Ints:

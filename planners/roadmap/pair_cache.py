@@ -75,7 +75,9 @@ class PairCache:
         ends_a = self._ends(a, keys >> BITS)
         ends_b = self._ends(b, keys & ((1 << BITS) - 1))
         return np.asarray(
-            self.world.meet(robot, *ends_a, other, *ends_b, margin=self.margin, threads=1)
+            self.world.motions_collide(
+                robot, *ends_a, other, *ends_b, margin=self.margin, threads=1
+            )
         )
 
     def _ends(self, kind: int, motions: Ints) -> tuple[Floats, Floats]:

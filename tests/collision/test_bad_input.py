@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from oracles.solids import angle_iron, at, box
 
-from fgenv.collision import FeatureGraph, Shape, collide, contact, distance, nearest
+from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native
 
@@ -224,7 +224,9 @@ BAD_POSES: dict[str, tuple[Any, type[Exception], tuple[str, ...]]] = {
 }
 
 
-@pytest.mark.parametrize("query", [collide, distance, nearest, contact], ids=lambda q: q.__name__)
+@pytest.mark.parametrize(
+    "query", [collide, distance, nearest_points, contact_point], ids=lambda q: q.__name__
+)
 @pytest.mark.parametrize("case", BAD_POSES)
 def test_bad_poses(query: Callable[..., Any], case: str) -> None:
     pose, error, words = BAD_POSES[case]
@@ -250,7 +252,7 @@ def test_bad_poses_of_one_shape(case: str) -> None:
 
 def test_shapes_that_do_not_broadcast() -> None:
     three, four = np.tile(HERE, (3, 1, 1)), np.tile(HERE, (4, 1, 1))
-    for query in (collide, distance, nearest):
+    for query in (collide, distance, nearest_points):
         with pytest.raises(ValueError, match="broadcast") as caught:
             query(CUBE, three, CUBE, four)
         says(caught.value, "Ta", r"\(3,\)", "Tb", r"\(4,\)")
@@ -261,7 +263,7 @@ def test_shapes_that_do_not_broadcast() -> None:
 
 def test_contact_takes_one_pose_each() -> None:
     with pytest.raises(ValueError, match="one pose"):
-        contact(CUBE, np.tile(HERE, (3, 1, 1)), CUBE, HERE)
+        contact_point(CUBE, np.tile(HERE, (3, 1, 1)), CUBE, HERE)
 
 
 @pytest.mark.parametrize("margin", [-1e-9, np.nan, np.inf, -np.inf])
@@ -272,7 +274,7 @@ def test_bad_margins(margin: float) -> None:
 
 @pytest.mark.parametrize("threads", [0, -1, 10**9, 1.5, "all"])
 def test_bad_threads(threads: Any) -> None:
-    for query in (collide, distance, nearest):
+    for query in (collide, distance, nearest_points):
         with pytest.raises((ValueError, TypeError), match="threads"):
             query(CUBE, np.tile(HERE, (3, 1, 1)), CUBE, HERE, threads=threads)
 
@@ -284,7 +286,9 @@ def test_bad_thread_counts_in_the_environment(value: str, monkeypatch: pytest.Mo
         collide(CUBE, np.tile(HERE, (300, 1, 1)), CUBE, HERE)
 
 
-@pytest.mark.parametrize("query", [collide, distance, nearest, contact], ids=lambda q: q.__name__)
+@pytest.mark.parametrize(
+    "query", [collide, distance, nearest_points, contact_point], ids=lambda q: q.__name__
+)
 @pytest.mark.parametrize("shape", [None, "cube", box(1.0), np.eye(4), Shape])
 def test_things_that_are_no_shape(query: Callable[..., Any], shape: Any) -> None:
     for arguments in ((shape, HERE, CUBE, HERE), (CUBE, HERE, shape, HERE)):

@@ -44,7 +44,7 @@ def state(world: World) -> list[Any]:
     ids = world.ids.tolist()
     records = [world.record(body) for body in ids]
     return [
-        *(ids, world.names, len(world), world.contacts().tolist()),
+        *(ids, world.names, len(world), world.contact_pairs().tolist()),
         *(world.poses(ids).tolist(), [world.mask(body) for body in ids]),
         *([(r.name, r.carrier, sorted(r.groups)) for r in records],),
         *(world.candidates("robot").tolist(), world.candidates("crate").tolist()),
@@ -275,7 +275,7 @@ def test_robots_named_twice(world: World) -> None:
         poses = np.tile(HERE, (len(robots), 1, 1))
         refuses(lambda r=robots, p=poses: world.check_motions(r, p, p), "robots", "2", "twice")
     refuses(lambda: world.check_motions(2, HERE, HERE), "robots", r"\(n,\)")
-    refuses(lambda: world.check_motions([2, 3], HERE, np.stack([HERE] * 3)), "robots", "T1")
+    refuses(lambda: world.check_motions([2, 3], HERE, np.stack([HERE] * 3)), "robots", "end")
 
 
 # Poses, times
@@ -287,10 +287,10 @@ POSED: dict[str, tuple[str, Call]] = {
     "set_trajectory": ("poses", lambda w, x: w.set_trajectory(2, [0.0, 1.0, 2.0], x)),
     "collides": ("poses", lambda w, x: w.collides(2, x)),
     "clearance": ("poses", lambda w, x: w.clearance(2, x)),
-    "check_motion T0": ("T0", lambda w, x: w.check_motion(2, x, HERE)),
-    "check_motion T1": ("T1", lambda w, x: w.check_motion(2, HERE, x)),
-    "check_motions T0": ("T0", lambda w, x: w.check_motions([2, 3, 4], x, HERE)),
-    "check_motions T1": ("T1", lambda w, x: w.check_motions([2, 3, 4], HERE, x)),
+    "check_motion start": ("start", lambda w, x: w.check_motion(2, x, HERE)),
+    "check_motion end": ("end", lambda w, x: w.check_motion(2, HERE, x)),
+    "check_motions start": ("start", lambda w, x: w.check_motions([2, 3, 4], x, HERE)),
+    "check_motions end": ("end", lambda w, x: w.check_motions([2, 3, 4], HERE, x)),
 }
 
 
@@ -310,7 +310,7 @@ def test_poses_that_do_not_fit(world: World) -> None:
     refuses(lambda: world.set_path(2, HERE), "poses", r"\(K, 4, 4\)")
     refuses(lambda: world.set_path(2, TWO[:0]), "poses", "at least 1")
     refuses(lambda: world.set_path(2, TWO[None]), "poses", r"\(1, 2\)")
-    refuses(lambda: world.check_motion(2, TWO, np.stack([HERE] * 3)), "T0", "T1", "broadcast")
+    refuses(lambda: world.check_motion(2, TWO, np.stack([HERE] * 3)), "start", "end", "broadcast")
 
 
 BAD_TIMES: dict[str, tuple[Any, Any, tuple[str, ...]]] = {
@@ -351,8 +351,18 @@ def test_bad_times_of_queries(world: World, call: str) -> None:
 )
 def test_bad_windows(world: World, window: tuple[Any, Any]) -> None:
     t0, t1 = window
-    refuses(lambda: world.check_motion(2, HERE, TWO, t0=t0, t1=t1), "t0", "t1", "seconds")
-    refuses(lambda: world.check_motions([2], HERE, HERE, t0=t0, t1=t1), "t0", "t1", "seconds")
+    refuses(
+        lambda: world.check_motion(2, HERE, TWO, start_time=t0, end_time=t1),
+        "start_time",
+        "end_time",
+        "seconds",
+    )
+    refuses(
+        lambda: world.check_motions([2], HERE, HERE, start_time=t0, end_time=t1),
+        "start_time",
+        "end_time",
+        "seconds",
+    )
 
 
 # Numbers
@@ -361,7 +371,7 @@ METERS: dict[str, tuple[str, Call]] = {
     "collides": ("margin", lambda w, x: w.collides(2, HERE, margin=x)),
     "check_motion": ("margin", lambda w, x: w.check_motion(2, HERE, HERE, margin=x)),
     "check_motions": ("margin", lambda w, x: w.check_motions([2], HERE, HERE, margin=x)),
-    "contacts": ("margin", lambda w, x: w.contacts(margin=x)),
+    "contacts": ("margin", lambda w, x: w.contact_pairs(margin=x)),
     "tolerance": ("tolerance", lambda w, x: w.check_motion(2, HERE, HERE, tolerance=x)),
     "tolerance of many": ("tolerance", lambda w, x: w.check_motions([2], HERE, HERE, tolerance=x)),
     "resolution": (
@@ -390,7 +400,7 @@ def test_bad_threads(world: World, threads: Any) -> None:
         lambda: world.collides(2, TWO, threads=threads),
         lambda: world.clearance(2, TWO, threads=threads),
         lambda: world.check_motion(2, HERE, TWO, threads=threads),
-        lambda: world.contacts(threads=threads),
+        lambda: world.contact_pairs(threads=threads),
         lambda: world.raycast([0, 0, 0], [1, 0, 0], threads=threads),
     ):
         refuses(call, "threads")
@@ -473,8 +483,16 @@ KEYWORDS = {
     "add": ("name", "groups"),
     "collides": ("times", "margin", "threads"),
     "clearance": ("times", "threads"),
-    "check_motion": ("margin", "tolerance", "mode", "first", "t0", "t1", "threads"),
-    "check_motions": ("margin", "tolerance", "t0", "t1"),
+    "check_motion": (
+        "margin",
+        "tolerance",
+        "mode",
+        "first_contact",
+        "start_time",
+        "end_time",
+        "threads",
+    ),
+    "check_motions": ("margin", "tolerance", "start_time", "end_time"),
     "raycast": ("max_distance", "ignore", "threads"),
 }
 
@@ -499,7 +517,7 @@ def test_anything_gives_an_answer_or_an_error(data: st.DataObject) -> None:
     for body in ids:
         assert np.isfinite(world.record(body).pose).all()
         world.mask(body)
-    world.contacts()
+    world.contact_pairs()
     world.copy()
 
 

@@ -24,7 +24,7 @@ from oracles.solids import (
 )
 
 from fgenv.arrays import Floats
-from fgenv.collision import Shape, collide, contact, distance
+from fgenv.collision import Shape, collide, contact_point, distance
 
 HERE = np.eye(4)
 PLACES = [HERE, *(somewhere(np.random.default_rng(seed)) for seed in range(5))]
@@ -56,7 +56,7 @@ def test_a_body_inside_another_collides() -> None:
     assert verdicts(cube, pebble, at(0.1, 0.2, -0.1)) == {True}
     assert verdicts(cube, pebble, at(0.75, 0.0, 0.0)) == {False}
     assert distance(cube, HERE, pebble, HERE) == 0.0
-    found = contact(cube, HERE, pebble, HERE)
+    found = contact_point(cube, HERE, pebble, HERE)
     assert found is not None
     assert found.edge is None
 

@@ -17,7 +17,7 @@ from oracles.rational import meshes_meet
 from oracles.solids import angle_iron, ball, box
 
 from fgenv.bench.common.poses import random_rotations
-from fgenv.collision import FeatureGraph, Shape, collide, contact, distance, nearest
+from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native
 
@@ -80,10 +80,10 @@ def ask_everything(a: Shape, ta: Any, b: Shape, tb: Any) -> None:
     gap = distance(a, ta, b, tb)
     assert np.all(np.asarray(gap) >= 0)
     assert np.all((np.asarray(gap) == 0) >= np.asarray(hit))
-    near = nearest(a, ta, b, tb)
+    near = nearest_points(a, ta, b, tb)
     assert np.shape(near.distance) == np.shape(hit)
     if np.ndim(hit) == 0:
-        assert (contact(a, ta, b, tb) is not None) == bool(hit)
+        assert (contact_point(a, ta, b, tb) is not None) == bool(hit)
 
 
 def answers_or_explains(*calls: Callable[[], Any]) -> None:
@@ -110,7 +110,9 @@ def test_any_arrays_as_a_mesh(vertices: Any, faces: Any, method: str) -> None:
 
 
 @given(pose=ANY_ARRAY, other=ANY_ARRAY)
-@pytest.mark.parametrize("query", [collide, distance, nearest, contact], ids=lambda q: q.__name__)
+@pytest.mark.parametrize(
+    "query", [collide, distance, nearest_points, contact_point], ids=lambda q: q.__name__
+)
 def test_any_arrays_as_poses(query: Callable[..., Any], pose: Any, other: Any) -> None:
     a, b = SOLIDS[:2]
     answers_or_explains(
@@ -195,7 +197,7 @@ def test_small_whole_meshes_agree_with_whole_numbers(first: Any, second: Any, fa
         return
     meet = meshes_meet(first, faces[0], HERE, second, faces[1], HERE)
     hit = collide(a, HERE, b, HERE)
-    found = contact(a, HERE, b, HERE)
+    found = contact_point(a, HERE, b, HERE)
     assert hit == (found is not None)
     if meet:
         assert hit

@@ -155,7 +155,7 @@ def hides_nothing(stage: Stage, count: int) -> tuple[int, int]:
     margin = 0.0 if rng.random() < 0.7 else 0.05
     how: dict[str, Any] = {"margin": margin, "threads": 1}
     if window is not None:
-        how |= {"t0": window[0], "t1": window[1]}
+        how |= {"start_time": window[0], "end_time": window[1]}
     with_masks = stage.on.check_motion(robot, starts, ends, **how)
     without = stage.off.check_motion(robot, starts, ends, **how)
     for one, other in zip(with_masks[:5], without[:5], strict=True):
@@ -344,7 +344,7 @@ def test_a_body_that_comes_into_the_box_gets_the_bit_at_once(what: str) -> None:
     assert world.candidates("robot").tolist() == [came.id]
     assert came.mask & world.own_bit("robot") != 0
     if "is going to" in what:
-        assert not world.check_motion("robot", HERE, at(9.0), t0=0.3, t1=0.7).free
+        assert not world.check_motion("robot", HERE, at(9.0), start_time=0.3, end_time=0.7).free
     elif what != "has a path across":
         assert not world.check_motion("robot", HERE, at(9.0)).free
         assert world.collides("robot", at(5.0))
@@ -440,7 +440,7 @@ def test_masks_are_for_planning_only() -> None:
     world.set_path(robot, [HERE, at(9.0)])
     other = world.add(CUBE, at(0.0, 9.5))
     assert world.clearance(robot, HERE) == (8.0, wall)
-    assert world.contacts().tolist() == [[wall, other]]
+    assert world.contact_pairs().tolist() == [[wall, other]]
     assert world.raycast([0, 0, 0], [0, 1, 0], ignore=robot).body == wall
 
 

@@ -54,9 +54,9 @@ def brackets(found: MotionResult, exact: float, path: float, tolerance: float = 
     assert not found.free
     assert not found.unresolved
     rounding = 1e-9 / max(path, 1.0) + 1e-14
-    assert found.contact <= exact + rounding
+    assert found.free_until <= exact + rounding
     assert exact - rounding <= found.contact_by
-    assert found.contact_by - found.contact <= tolerance / path * (1 + 1e-9) + 1e-15
+    assert found.contact_by - found.free_until <= tolerance / path * (1 + 1e-9) + 1e-15
     return True
 
 
@@ -128,7 +128,9 @@ def test_an_arc_through_a_sheet_is_no_straight_line(turn: float, carried: bool) 
         x, top = 0.005 * np.sign(np.sin(angle)), 1.005
         return float(y - 5e-4 - (top * np.cos(angle) + x * np.sin(angle)))
 
-    assert found.contact <= brentq(below, 0.0, 0.5, xtol=1e-15) + 1e-12 <= found.contact_by + 2e-12
+    assert (
+        found.free_until <= brentq(below, 0.0, 0.5, xtol=1e-15) + 1e-12 <= found.contact_by + 2e-12
+    )
     again = world.check_motion(0, HERE, turned(turn / 2))  # and down again
     assert not again.free
 
@@ -143,9 +145,9 @@ def test_movers_that_cross_meet() -> None:
     exact = 4.95 / 10.0
     assert found.free.tolist() == [False, False]
     assert found.other.tolist() == [b, a]
-    assert (found.contact <= exact + 1e-12).all()
+    assert (found.free_until <= exact + 1e-12).all()
     assert (found.contact_by >= exact - 1e-12).all()
-    assert (found.contact_by - found.contact <= TOLERANCE / 10.0).all()
+    assert (found.contact_by - found.free_until <= TOLERANCE / 10.0).all()
     # alone, each passes
     assert world.check_motion(a, starts[0], ends[0])
     # one passes the crossing before the other comes
@@ -160,7 +162,7 @@ def test_movers_that_cross_meet() -> None:
     assert found.other.tolist() == [c, -1]
     # meeting at the start
     found = world.check_motions([a, b], [HERE, at(0.05)], [at(-9.0), at(9.0)])
-    assert found.contact.tolist() == found.contact_by.tolist() == [0.0, 0.0]
+    assert found.free_until.tolist() == found.contact_by.tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.01])
@@ -176,7 +178,7 @@ def test_sides_that_lie_nearly_flush_and_turn(margin: float) -> None:
         base = turned(rng.uniform(-3, 3))
         start = base, base @ offset @ turned(turn)
         a, b = (world.add(shape, pose) for pose in start)
-        if len(world.contacts(margin=margin)):
+        if len(world.contact_pairs(margin=margin)):
             continue
         ends = []
         for pose in start:
@@ -184,7 +186,7 @@ def test_sides_that_lie_nearly_flush_and_turn(margin: float) -> None:
             ends.append(at(*rng.uniform(-0.02, 0.02, 2), 0.0) @ pose @ spin)
         found = world.check_motions([a, b], start, ends, margin=margin)
         assert not found.unresolved.any()
-        until = float(found.contact.min())
+        until = float(found.free_until.min())
         t = np.linspace(0.0, 1.0, 1500)
         ways = [along(*pair, t) for pair in zip(start, ends, strict=True)]
         hits = collide(shape, ways[0], shape, ways[1], margin=margin)
@@ -202,23 +204,29 @@ def test_a_door_is_met_in_time() -> None:
     robot, door = world.add(small), world.add(small, at(0.0, 50.0))
     world.set_trajectory(door, [0.0, 10.0], [at(0.0, -5.0), at(0.0, 5.0)])
     go = at(-5.0), at(5.0)
-    found = world.check_motion(robot, *go, t0=0.0, t1=10.0)  # both at the crossing at 5 s
+    found = world.check_motion(
+        robot, *go, start_time=0.0, end_time=10.0
+    )  # both at the crossing at 5 s
     assert brackets(found, 0.49, 10 * np.sqrt(2))
     assert found.other == door
     assert world.check_motion(robot, *go)  # the door stands elsewhere
-    assert world.check_motion(robot, *go, t0=1.0, t1=11.0)
-    assert world.check_motion(robot, *go, t0=-100.0, t1=-90.0)  # at rest before
-    assert world.check_motion(robot, *go, t0=20.0, t1=30.0)  # and after
-    waits = world.check_motion(robot, at(0.0), at(0.0), t0=0.0, t1=10.0)  # run into
+    assert world.check_motion(robot, *go, start_time=1.0, end_time=11.0)
+    assert world.check_motion(robot, *go, start_time=-100.0, end_time=-90.0)  # at rest before
+    assert world.check_motion(robot, *go, start_time=20.0, end_time=30.0)  # and after
+    waits = world.check_motion(robot, at(0.0), at(0.0), start_time=0.0, end_time=10.0)  # run into
     assert brackets(waits, 0.49, 10.0)
-    assert world.check_motion(robot, at(0.0), at(0.0), t0=0.0, t1=4.89)
-    assert not world.check_motion(robot, at(0.0), at(0.0), t0=0.0, t1=4.91)
-    assert not world.check_motion(robot, at(0.0), at(0.0), t0=4.95, t1=4.95)  # an instant
+    assert world.check_motion(robot, at(0.0), at(0.0), start_time=0.0, end_time=4.89)
+    assert not world.check_motion(robot, at(0.0), at(0.0), start_time=0.0, end_time=4.91)
+    assert not world.check_motion(
+        robot, at(0.0), at(0.0), start_time=4.95, end_time=4.95
+    )  # an instant
     # there and back between two of the robot's poses: at rest at both, met on the way
     world.set_trajectory(door, [1.0, 2.0, 3.0], [at(0.0, -5.0), at(0.0, 0.0), at(0.0, -5.0)])
-    found = world.check_motion(robot, at(0.0), at(0.0), t0=0.0, t1=4.0)
+    found = world.check_motion(robot, at(0.0), at(0.0), start_time=0.0, end_time=4.0)
     assert brackets(found, (1.0 + 4.9 / 5.0) / 4.0, 20.0)
-    found = world.check_motion(robot, at(0.0), at(0.0), t0=2.1, t1=4.0, first=False)
+    found = world.check_motion(
+        robot, at(0.0), at(0.0), start_time=2.1, end_time=4.0, first_contact=False
+    )
     assert found.free
 
 
@@ -231,12 +239,12 @@ def test_a_body_that_darts_by_is_met(moment: float) -> None:
         robot, fly = world.add(small), world.add(small, at(0.0, 50.0))
         times = [0.5, max(0.5 + moment, float(np.nextafter(0.5, 1.0)))]
         world.set_trajectory(fly, times, [at(0.0, -5.0), at(0.0, 5.0)])
-        found = world.check_motion(robot, HERE, HERE, t0=window[0], t1=window[1])
+        found = world.check_motion(robot, HERE, HERE, start_time=window[0], end_time=window[1])
         assert not found.free
-        assert found.contact <= (0.5 - window[0]) / (window[1] - window[0]) + moment
+        assert found.free_until <= (0.5 - window[0]) / (window[1] - window[0]) + moment
         # the last thing that happens
         world.set_trajectory(fly, np.subtract(times, times[1] - 1.0), [at(0.0, -5.0), at(0.0, 5.0)])
-        assert not world.check_motion(robot, HERE, HERE, t0=window[0], t1=1.0).free
+        assert not world.check_motion(robot, HERE, HERE, start_time=window[0], end_time=1.0).free
         # a dart through a sheet, anywhere on the way
         rng = np.random.default_rng(12)
         for _ in range(20):
@@ -246,7 +254,9 @@ def test_a_body_that_darts_by_is_met(moment: float) -> None:
             way = at(*(world.poses(0)[:3, 3] * [0.0, 1.0, 1.0]))
             world.set_trajectory(1, times, [way @ at(-5.0), way @ at(5.0)])
             here = world.poses(0)
-            assert not world.check_motion(0, here, here, t0=window[0], t1=window[1]).free
+            assert not world.check_motion(
+                0, here, here, start_time=window[0], end_time=window[1]
+            ).free
 
 
 @pytest.mark.parametrize("gap", [1e-6, 1e-5, 1e-3])
@@ -262,7 +272,12 @@ def test_sliding_along_a_wall_is_free(gap: float) -> None:
             start = place @ at(0.0, gap - low)
             found = world.check_motion(0, start, place @ at(0.1, gap - low, 0.02))
             assert found.free
-            assert (found.contact, found.contact_by, found.other, found.part) == (1, np.inf, -1, -1)
+            assert (found.free_until, found.contact_by, found.other, found.part) == (
+                1,
+                np.inf,
+                -1,
+                -1,
+            )
             # and not free, should it sink by more than the gap
             assert not world.check_motion(0, start, place @ at(0.1, -low - gap))
 
@@ -293,9 +308,9 @@ def test_a_start_in_contact_is_contact_at_once() -> None:
         for _ in range(10):
             start = HERE
             for first in (True, False):
-                found = world.check_motion(0, start, nudged(rng, start, 0.5), first=first)
+                found = world.check_motion(0, start, nudged(rng, start, 0.5), first_contact=first)
                 assert not found.free
-                assert (found.contact, found.other, found.part) == (0.0, 1, 0)
+                assert (found.free_until, found.other, found.part) == (0.0, 1, 0)
                 assert found.contact_by == 0.0
             both = world.check_motions([0, 1], [start] * 2, [nudged(rng, start, 0.5)] * 2)
             if world is not touching:
@@ -306,7 +321,7 @@ def test_a_start_in_contact_is_contact_at_once() -> None:
     aside = at(0.01, 0.02, 0.03)
     found = [tray.check_motion(0, aside, at(*way) @ aside) for way in ways]
     assert [one.free for one in found].count(True) == 1  # out of the open side
-    assert all(one.free or 4.86 / 20 < one.contact < one.contact_by < 4.94 / 20 for one in found)
+    assert all(one.free or 4.86 / 20 < one.free_until < one.contact_by < 4.94 / 20 for one in found)
 
 
 def test_contact_at_the_very_end_counts() -> None:
@@ -333,9 +348,9 @@ def test_margin_is_met_where_the_distance_is_the_margin(margin: float) -> None:
     near = at(0.0, 1.0 + margin * 0.9999)
     assert not world.check_motion(0, near, near @ at(9.0), margin=margin)
     found = world.check_motion(0, at(4.0 - 0.99 * margin), HERE, margin=margin)  # begins within
-    assert (found.contact, found.contact_by) == (0.0, 0.0)
+    assert (found.free_until, found.contact_by) == (0.0, 0.0)
     pair = world.check_motions([0, 1], [HERE, at(5.0)], [at(4.0), at(1.0)], margin=margin)
-    assert pair.contact[0] <= (4.0 - margin) / 8.0 <= pair.contact_by[0]
+    assert pair.free_until[0] <= (4.0 - margin) / 8.0 <= pair.contact_by[0]
 
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-7, 1e-4, 1e-2])
@@ -353,12 +368,12 @@ def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
     bar = box(2.0, 0.02, 0.02)
     world = scene(bar, (box(0.01, 0.01, 1.0), turned(1.0) @ at(0.1)))
     found = world.check_motion(0, HERE, turned(2.0))
-    t = np.array([found.contact, found.contact_by])
+    t = np.array([found.free_until, found.contact_by])
     assert travel(bar[0], *along(HERE, turned(2.0), t)) <= TOLERANCE
     world = scene(box(1.0), (box(1.0), HERE))
     world.set_trajectory(1, [0.0, 1.0], [at(1.5), at(10.4)])
-    found = world.check_motion(0, HERE, at(10.0), t0=0.0, t1=1.0)
-    assert 10.0 * (found.contact_by - found.contact) <= TOLERANCE
+    found = world.check_motion(0, HERE, at(10.0), start_time=0.0, end_time=1.0)
+    assert 10.0 * (found.contact_by - found.free_until) <= TOLERANCE
 
 
 def test_who_is_named_is_met() -> None:
@@ -407,7 +422,7 @@ def test_a_gap_too_small_to_tell_is_unresolved_and_not_free() -> None:
     assert not found
     assert found.unresolved
     assert np.isnan(found.contact_by)
-    assert (found.contact, found.other, found.part) == (0.0, 1, 0)
+    assert (found.free_until, found.other, found.part) == (0.0, 1, 0)
     many = world.check_motion(0, HERE, np.stack([at(0.3), at(y=1.0), HERE]))
     assert many.unresolved.tolist() == (~many.free).tolist()
     assert many.unresolved[0]
@@ -541,13 +556,13 @@ def translations(
             assert found.free
         elif exact < 1 - rounding:
             assert not found.free
-            assert found.contact <= exact + rounding
+            assert found.free_until <= exact + rounding
             met += 1
             if found.unresolved:  # in the right place, at least, and seldom
                 unresolved += 1
                 continue
             assert exact - rounding <= found.contact_by
-            assert (found.contact_by - found.contact) * length <= TOLERANCE * (1 + 1e-6)
+            assert (found.contact_by - found.free_until) * length <= TOLERANCE * (1 + 1e-6)
     assert unresolved <= 1 + count / 40
     return met / count
 
@@ -590,7 +605,7 @@ def test_bodies_of_every_size(size: float) -> None:
         exact = first_contact(world, at(-size) @ turn, through[:3, 3] - [-size, 0, 0])
         assert found.free == np.isinf(exact)
         if not found.free:
-            assert found.contact - 1e-12 <= exact <= found.contact_by + 1e-12
+            assert found.free_until - 1e-12 <= exact <= found.contact_by + 1e-12
 
 
 def test_a_thousand_kilometers_away() -> None:
@@ -642,17 +657,17 @@ def points_of(model: Model, robot: int) -> Floats:
     return np.vstack([p.shape.vertices @ p.offset[:3, :3].T + p.offset[:3, 3] for p in parts])
 
 
-def travel(points: Floats, T0: Floats, T1: Floats) -> float:
-    """How far the farthest of points goes from pose T0 to T1, meters."""
-    ends = [points @ T[:3, :3].T + T[:3, 3] for T in (T0, T1)]
+def travel(points: Floats, start: Floats, end: Floats) -> float:
+    """How far the farthest of points goes from pose start to end, meters."""
+    ends = [points @ T[:3, :3].T + T[:3, 3] for T in (start, end)]
     return float(np.linalg.norm(ends[1] - ends[0], axis=1).max())
 
 
 def agrees_with_samples(
     model: Model,
     robot: int,
-    T0: Floats,
-    T1: Floats,
+    start: Floats,
+    end: Floats,
     found: MotionResult,
     window: tuple[float, float] | None = None,
     count: int = 200,
@@ -662,14 +677,14 @@ def agrees_with_samples(
 
     def hits(t: Floats) -> dict[int, NDArray[np.bool_]]:
         times = None if window is None else window[0] + t * (window[1] - window[0])
-        return model.hits(robot, along(T0, T1, t), times, margin)
+        return model.hits(robot, along(start, end, t), times, margin)
 
     t = np.linspace(0.0, 1.0, count)
     hit = np.any(list(hits(t).values()), axis=0)
     if found.free:
         assert not hit.any(), f"collides at {t[hit][0]}"
     elif not found.unresolved:
-        assert not hit[t < found.contact].any(), f"{t[hit][0]} < {found.contact}"
+        assert not hit[t < found.free_until].any(), f"{t[hit][0]} < {found.free_until}"
         shown = hits(np.array([found.contact_by]))
         assert shown[int(found.other)][0], f"no contact at {found.contact_by}"
         assert robot == model.root(int(found.part))
@@ -690,15 +705,15 @@ def test_random_motions_agree_with_dense_samples(seed: int) -> None:
     margin = 0.02 * (seed % 2)
     found = world.check_motion(0, starts, ends, margin=margin)
     free = 0
-    for i, (T0, T1) in enumerate(zip(starts, ends, strict=True)):
+    for i, (start, end) in enumerate(zip(starts, ends, strict=True)):
         one = of(found, i)
-        free += agrees_with_samples(model, 0, T0, T1, one, margin=margin)
+        free += agrees_with_samples(model, 0, start, end, one, margin=margin)
         if not one.free and not one.unresolved:
-            bracket = along(T0, T1, np.array([one.contact, one.contact_by]))
+            bracket = along(start, end, np.array([one.free_until, one.contact_by]))
             assert travel(points, *bracket) <= TOLERANCE * 1.001
     assert 5 < free < 55
     assert not found.unresolved.any()
-    any_contact = world.check_motion(0, starts, ends, margin=margin, first=False)
+    any_contact = world.check_motion(0, starts, ends, margin=margin, first_contact=False)
     assert (any_contact.free == found.free).all()
     back = world.check_motion(0, ends, starts, margin=margin)
     assert (back.free == found.free).all()
@@ -706,14 +721,14 @@ def test_random_motions_agree_with_dense_samples(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_any_contact_will_do(seed: int) -> None:
-    """With first=False what is shown is a contact, and nothing before `contact` is."""
+    """With first_contact=False what is shown is a contact, and nothing before `free_until` is."""
     world, model = crowd(seed)
     rng = np.random.default_rng(550 + seed)
     starts = wander(rng, 30, 1.5)
     ends = np.stack([nudged(rng, pose, 0.7, 0.8) for pose in starts])
-    found = world.check_motion(0, starts, ends, first=False)
-    for i, (T0, T1) in enumerate(zip(starts, ends, strict=True)):
-        agrees_with_samples(model, 0, T0, T1, of(found, i), count=50)
+    found = world.check_motion(0, starts, ends, first_contact=False)
+    for i, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        agrees_with_samples(model, 0, start, end, of(found, i), count=50)
 
 
 @pytest.mark.parametrize("pair", pairs(3, largest=3000, seed=32), ids=lambda pair: pair.name)
@@ -744,14 +759,16 @@ def test_bodies_on_trajectories_agree_with_dense_samples(seed: int) -> None:
         model.set_trajectory(body, times, poses)
     free = 0
     for _ in range(25):
-        T0 = somewhere(rng, 1.5)
-        T1 = nudged(rng, T0, 0.7, 0.8)
+        start = somewhere(rng, 1.5)
+        end = nudged(rng, start, 0.7, 0.8)
         t0 = rng.uniform(-1.0, 3.0)
         window = t0, t0 + rng.uniform(0.0, 2.0)
-        found = world.check_motion(0, T0, T1, t0=window[0], t1=window[1])
-        free += agrees_with_samples(model, 0, T0, T1, found, window)
+        found = world.check_motion(0, start, end, start_time=window[0], end_time=window[1])
+        free += agrees_with_samples(model, 0, start, end, found, window)
         assert not found.unresolved
-        any_contact = world.check_motion(0, T0, T1, t0=window[0], t1=window[1], first=False)
+        any_contact = world.check_motion(
+            0, start, end, start_time=window[0], end_time=window[1], first_contact=False
+        )
         assert any_contact.free == found.free
     assert 2 < free < 24
 
@@ -772,7 +789,7 @@ def test_movers_at_once_agree_with_dense_samples(seed: int) -> None:
         starts = np.stack([model.pose(robot) for robot in robots])
         ends = np.stack([nudged(rng, pose, 0.7, 0.8) for pose in starts])
         for window in (None, (0.1, 1.5)):
-            at_times = {} if window is None else {"t0": window[0], "t1": window[1]}
+            at_times = {} if window is None else {"start_time": window[0], "end_time": window[1]}
             found = world.check_motions(robots, starts, ends, **at_times)
             for i, robot in enumerate(robots):
                 others = Model()  # the others on trajectories of their own
@@ -847,12 +864,12 @@ def test_mover_and_obstacle_change_places() -> None:
     assert 20 < met < 100
 
 
-def same(one: MotionResult, other: MotionResult, T0: Floats, T1: Floats) -> bool:
+def same(one: MotionResult, other: MotionResult, start: Floats, end: Floats) -> bool:
     """Both free, or brackets that share a fraction."""
     assert one.free == other.free
     if not one.free:
-        assert one.contact <= other.contact_by + 1e-12
-        assert other.contact <= one.contact_by + 1e-12
+        assert one.free_until <= other.contact_by + 1e-12
+        assert other.free_until <= one.contact_by + 1e-12
     return not one.free
 
 
@@ -890,21 +907,21 @@ def test_discrete_is_a_plain_loop() -> None:
         model.detach(1)
         radius = float(np.linalg.norm(model.items[0].shape.vertices, axis=1).max())
         for _ in range(15):
-            T0 = somewhere(rng, 1.2)
-            T1 = nudged(rng, T0, 0.7, 0.8)
+            start = somewhere(rng, 1.2)
+            end = nudged(rng, start, 0.7, 0.8)
             resolution = float(rng.choice([0.02, 0.1, 10.0]))
-            found = world.check_motion(0, T0, T1, mode="discrete", resolution=resolution)
-            cos = (np.trace(T0[:3, :3].T @ T1[:3, :3]) - 1) / 2
-            far = np.linalg.norm(T1[:3, 3] - T0[:3, 3]) + np.arccos(cos) * radius
+            found = world.check_motion(0, start, end, mode="discrete", resolution=resolution)
+            cos = (np.trace(start[:3, :3].T @ end[:3, :3]) - 1) / 2
+            far = np.linalg.norm(end[:3, 3] - start[:3, 3]) + np.arccos(cos) * radius
             steps = max(1, int(np.ceil(far / resolution)))
             t = np.arange(steps + 1) / steps
-            hit = model.collides(0, along(T0, T1, t))
+            hit = model.collides(0, along(start, end, t))
             assert found.free == (not hit.any())
             if hit.any():
                 first = int(np.argmax(hit))
                 assert found.contact_by == pytest.approx(t[first], abs=1e-15)
-                assert found.contact == pytest.approx(t[max(first - 1, 0)], abs=1e-15)
-                assert model.hits(0, along(T0, T1, t[first : first + 1]))[found.other][0]
+                assert found.free_until == pytest.approx(t[max(first - 1, 0)], abs=1e-15)
+                assert model.hits(0, along(start, end, t[first : first + 1]))[found.other][0]
 
 
 def test_discrete_can_tunnel_and_continuous_can_not() -> None:
@@ -923,14 +940,14 @@ def test_no_point_moves_farther_than_the_resolution_in_a_step() -> None:
         for pose in (HERE, offset):
             model.add(world.add(small, pose), small, pose)
         carry(world, model, 1, 0)
-        T1 = at(0.0, 3.0) @ turned(3.0)
-        landing = T1 @ offset
+        end = at(0.0, 3.0) @ turned(3.0)
+        landing = end @ offset
         world.add(Shape(*box(0.3)), landing)
-        found = world.check_motion(0, HERE, T1, mode="discrete", resolution=0.02)
+        found = world.check_motion(0, HERE, end, mode="discrete", resolution=0.02)
         assert not found.free
-        t = np.array([found.contact, found.contact_by])
-        for late in (t, t - found.contact / 2):
-            assert travel(points_of(model, 0), *along(HERE, T1, late)) <= 0.02
+        t = np.array([found.free_until, found.contact_by])
+        for late in (t, t - found.free_until / 2):
+            assert travel(points_of(model, 0), *along(HERE, end, late)) <= 0.02
 
 
 @pytest.mark.unsanitized
@@ -975,10 +992,11 @@ for seed in range(2):
     world.set_trajectory(5, [0.0, 1.0, 2.0], wander(rng, 3, 1.5))
     world.set_path(0, wander(rng, 3, 1.5))
     starts, ends = wander(rng, 80, 1.5), wander(rng, 80, 1.5)
-    answers = [world.contacts(), world.candidates(0), world.motion_boxes(0)]
+    answers = [world.contact_pairs(), world.candidates(0), world.motion_boxes(0)]
     answers += [world.collides(0, starts, margin=0.1), *world.clearance(0, starts)]
     answers += world.check_motion(0, starts, ends)
-    answers += world.check_motion(0, starts, ends, t0=0.5, t1=1.5, first=False, margin=0.03)
+    window = {"start_time": 0.5, "end_time": 1.5}
+    answers += world.check_motion(0, starts, ends, first_contact=False, margin=0.03, **window)
     answers += world.check_motion(0, starts, ends, mode="discrete", resolution=0.05)
     for i in range(0, 80, 4):
         answers += world.check_motions([0, 2, 3, 7], starts[i:i + 4], ends[i:i + 4])

@@ -20,7 +20,7 @@ from support.meshes import MeshPair, pairs
 
 from fgenv.arrays import Floats
 from fgenv.bench.common.poses import USUAL, random_poses_batched
-from fgenv.collision import Shape, collide, contact, distance, nearest
+from fgenv.collision import Shape, collide, contact_point, distance, nearest_points
 
 HERE = np.eye(4)
 PAIRS = pairs(6, largest=3000, seed=11)
@@ -91,7 +91,7 @@ def test_distance_changes_no_faster_than_the_body_moves(scene: Scene) -> None:
 
 
 def test_the_nearest_points_are_on_the_surfaces(scene: Scene) -> None:
-    found = nearest(scene.a, scene.pose_a, scene.b, scene.poses)
+    found = nearest_points(scene.a, scene.pose_a, scene.b, scene.poses)
     gap = np.linalg.norm(found.point_a - found.point_b, axis=-1)
     np.testing.assert_allclose(gap, found.distance, rtol=1e-9, atol=1e-12 * scene.size)
     np.testing.assert_allclose(np.linalg.norm(found.normal, axis=-1), 1.0, rtol=1e-9)
@@ -101,7 +101,7 @@ def test_the_nearest_points_are_on_the_surfaces(scene: Scene) -> None:
         way, found.normal[free] * found.distance[free, None], atol=1e-9 * scene.size
     )
     # a containment's contact point is a vertex of the inner body: inside the outer one, not on it
-    touches = [contact(scene.a, scene.pose_a, scene.b, pose) for pose in scene.poses]
+    touches = [contact_point(scene.a, scene.pose_a, scene.b, pose) for pose in scene.poses]
     on_both = np.array([touch is None or touch.edge is not None for touch in touches])
     for shape, pose, point in (
         (scene.a, np.broadcast_to(scene.pose_a, scene.poses.shape), found.point_a),
@@ -128,7 +128,7 @@ def test_distances_known_on_paper() -> None:
     c = np.sqrt(0.5)
     edge_on[:3, :3] = [[c, -c, 0], [c, c, 0], [0, 0, 1]]
     assert distance(cube, HERE, cube, edge_on) == pytest.approx(2.5 - c, rel=1e-14)
-    found = nearest(cube, HERE, rod, at(2.0, 0.0, 0.0))
+    found = nearest_points(cube, HERE, rod, at(2.0, 0.0, 0.0))
     assert found.normal == pytest.approx([-1.0, 0.0, 0.0])
     assert found.point_a[0] == pytest.approx(0.5)
     assert found.point_b[0] == pytest.approx(1.9)
@@ -187,7 +187,7 @@ def test_poses_broadcast() -> None:
     assert isinstance(distance(a, ta[0], b, tb[0]), float)
     assert collide(a, ta[:0], b, tb[0]).shape == (0,)
     assert collide(a, ta[:1], b, tb).shape == (5,)
-    found = nearest(a, ta[:, None], b, tb)
+    found = nearest_points(a, ta[:, None], b, tb)
     assert found.distance.shape == (3, 5)
     assert found.point_a.shape == found.point_b.shape == found.normal.shape == (3, 5, 3)
 
@@ -350,7 +350,7 @@ def test_no_ray_slips_through_a_closed_surface() -> None:
 def test_a_contact_lies_on_both(scene: Scene) -> None:
     hits = collide(scene.a, scene.pose_a, scene.b, scene.poses)
     for pose, hit in zip(scene.poses[:60], hits[:60], strict=True):
-        found = contact(scene.a, scene.pose_a, scene.b, pose)
+        found = contact_point(scene.a, scene.pose_a, scene.b, pose)
         assert (found is not None) == hit
         if found is None or found.edge is None:
             continue
@@ -377,7 +377,7 @@ def test_a_contact_names_a_feature_edge() -> None:
     seen = set()
     for _ in range(100):
         pose = somewhere(rng, 0.4)
-        found = contact(a, HERE, b, pose)
+        found = contact_point(a, HERE, b, pose)
         if found is None or found.edge is None:
             continue
         own, place = (a, HERE) if found.edge_of == "a" else (b, pose)
@@ -393,8 +393,8 @@ def test_a_contact_names_a_feature_edge() -> None:
 
 def test_the_normal_pushes_a_off_b() -> None:
     floor, cube = Shape(*box(10.0, 10.0, 1.0)), Shape(*box(1.0))
-    assert nearest(cube, at(z=1.5), floor, HERE).normal == pytest.approx([0.0, 0.0, 1.0])
-    found = contact(cube, at(z=0.99), floor, HERE)
+    assert nearest_points(cube, at(z=1.5), floor, HERE).normal == pytest.approx([0.0, 0.0, 1.0])
+    found = contact_point(cube, at(z=0.99), floor, HERE)
     assert found is not None
     assert abs(found.normal).max() == pytest.approx(1.0)
 
@@ -409,7 +409,7 @@ import numpy as np
 from support.meshes import pairs
 from oracles.solids import somewhere
 from fgenv import _core
-from fgenv.collision import Shape, collide, distance, nearest
+from fgenv.collision import Shape, collide, distance, nearest_points
 digest = hashlib.sha256()
 for index, pair in enumerate(pairs(2, largest=1000, seed=12)):
     rng = np.random.default_rng(index)
@@ -421,7 +421,7 @@ for index, pair in enumerate(pairs(2, largest=1000, seed=12)):
     digest.update(collide(a, spin, b, poses).tobytes())
     digest.update(collide(a, spin, b, poses, margin=0.1 * size).tobytes())
     digest.update(distance(a, spin[:100], b, poses[:100]).tobytes())
-    for part in nearest(a, spin[:100], b, poses[:100]):
+    for part in nearest_points(a, spin[:100], b, poses[:100]):
         digest.update(part.tobytes())
     for part in a.raycast(poses[:, :3, 3], poses[:, :3, 0], spin):
         digest.update(part.tobytes())

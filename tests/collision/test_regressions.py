@@ -15,7 +15,7 @@ import trimesh
 from oracles.solids import at, box, somewhere
 from support import TESTS
 
-from fgenv.collision import MeshWarning, Shape, collide, contact, distance, nearest
+from fgenv.collision import MeshWarning, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native
 
@@ -165,9 +165,9 @@ def symmetric_contacts() -> list[object]:
             step = trimesh.transformations.rotation_matrix(turn, [1, 0, 0])
             step[0, 3] = rng.choice([0.5, 0.9, 1.0, 1.25, 1.5, 2.0])
             b = a @ at(*corner) @ step @ at(*-corner)
-            touch = contact(shape, a, shape, b)
+            touch = contact_point(shape, a, shape, b)
             told.append(None if touch is None else (touch.point.tobytes(), touch.face))
-            told.append([part.tobytes() for part in nearest(shape, a, shape, b)])
+            told.append([part.tobytes() for part in nearest_points(shape, a, shape, b)])
     return told
 
 

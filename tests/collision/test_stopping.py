@@ -33,9 +33,9 @@ def move(world: World, ids: list[int], ends: list[Floats]) -> MotionResult:
     """Move everyone to where it stops."""
     starts = world.poses(ids)
     found = world.advance(ids, ends)
-    assert (found.contact >= 0).all()
-    assert (found.contact <= 1).all()
-    there = along(starts, np.array(ends), found.contact)
+    assert (found.free_until >= 0).all()
+    assert (found.free_until <= 1).all()
+    there = along(starts, np.array(ends), found.free_until)
     np.testing.assert_allclose(world.poses(ids), there, atol=1e-12)
     return found
 
@@ -47,7 +47,7 @@ def test_a_queue_stops_one_after_the_other() -> None:
     found = move(world, ids, [at(6.0), at(8.0), at(10.0)])
     np.testing.assert_allclose(world.poses(ids)[:, 0, 3], [3.5, 4.5, 5.5], atol=1e-5)
     assert found.other.tolist() == [ids[1], ids[2], wall]
-    assert world.contacts().tolist() == []
+    assert world.contact_pairs().tolist() == []
 
 
 def test_who_stops_is_no_longer_met_where_it_would_have_gone() -> None:
@@ -58,7 +58,7 @@ def test_who_stops_is_no_longer_met_where_it_would_have_gone() -> None:
     assert not both.free.any()
     stopped = move(world, ids, [at(5.0), at(4.0)])
     assert stopped.free.tolist() == [False, True]
-    assert stopped.contact[1] == 1.0
+    assert stopped.free_until[1] == 1.0
 
 
 def test_who_stops_is_met_where_it_stands() -> None:
@@ -90,13 +90,13 @@ def test_nobody_overlaps_after_any_step(seed: int) -> None:
     for place in grid:
         pose = at(*(PITCH * np.array(place)))
         ids.append(world.add(SHAPES[rng.integers(len(SHAPES))], pose))
-    assert world.contacts().tolist() == []
+    assert world.contact_pairs().tolist() == []
     stopped = unresolved = 0
     for _ in range(8):
         starts = world.poses(ids)
         ends = [nudged(rng, pose, 0.3, 0.5) for pose in starts]
         found = move(world, ids, ends)
-        assert world.contacts().tolist() == []
+        assert world.contact_pairs().tolist() == []
         unresolved += np.isnan(found.contact_by).sum()
         stopped += (~found.free).sum()
         justified(world, ids, starts, np.array(ends), found)
@@ -112,7 +112,7 @@ def justified(
         shown = found.contact_by[i]
         j = ids.index(found.other[i])
         mine = along(starts[[i]], ends[[i]], np.array([shown]))[0]
-        until = shown if found.other[j] == ids[i] else found.contact[j]
+        until = shown if found.other[j] == ids[i] else found.free_until[j]
         theirs = along(starts[[j]], ends[[j]], np.array([until]))[0]
         a, b = (world.record(ids[k]).shape for k in (i, j))
         assert collide(a, mine, b, theirs, margin=1e-9)
@@ -140,13 +140,13 @@ def test_robots_stop_too(seed: int) -> None:
         ids.append(me)
         q.append(here)
     q = np.array(q).reshape(len(ids), robot.nq)
-    assert world.contacts().tolist() == []
+    assert world.contact_pairs().tolist() == []
     for _ in range(5):
         ends = robot.random(rng, len(ids))
         found = world.advance(ids, ends)
-        q = robot.interpolate(q, ends, found.contact)
+        q = robot.interpolate(q, ends, found.free_until)
         assert (q == [world.configuration(me) for me in ids]).all()
-        assert world.contacts().tolist() == []
+        assert world.contact_pairs().tolist() == []
 
 
 def test_the_order_of_names_changes_nothing() -> None:
@@ -160,7 +160,7 @@ def test_the_order_of_names_changes_nothing() -> None:
         one = world.advance(ids, ends)
         order = rng.permutation(12)
         other = twin.advance(np.array(ids)[order], ends[order])
-        np.testing.assert_allclose(one.contact[order], other.contact, atol=2e-6)
+        np.testing.assert_allclose(one.free_until[order], other.free_until, atol=2e-6)
         assert (one.free[order] == other.free).all()
 
 
@@ -172,18 +172,18 @@ def test_turning_on_the_spot_in_a_crowd() -> None:
     world.set_pose(ids, [turned(np.pi / 2), at(1.0) @ turned(np.pi / 2)])
     found = move(world, ids, [turned(0.0), at(1.0) @ turned(np.pi)])
     assert not found.free.any()
-    assert found.contact == pytest.approx(found.contact[::-1])
-    assert world.contacts().tolist() == []
+    assert found.free_until == pytest.approx(found.free_until[::-1])
+    assert world.contact_pairs().tolist() == []
 
 
 def test_what_is_wrong_is_told() -> None:
     world, ids = line(0.0, 2.0)
     for ask, words in (
         (lambda: world.advance([0, 0], [HERE, HERE]), "robots: body 0 is named twice"),
-        (lambda: world.advance(0, HERE), r"robots, to: expected \(n,\) and \(n, 4, 4\)"),
-        (lambda: world.advance(ids, HERE), r"robots, to: expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(0, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(ids, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
         (lambda: world.advance([0, 7], [HERE, HERE]), "robots: no body 7"),
-        (lambda: world.advance(ids, [HERE, 2 * HERE]), r"to\[1\]"),
+        (lambda: world.advance(ids, [HERE, 2 * HERE]), r"end\[1\]"),
         (lambda: world.advance(ids, [HERE, HERE], tolerance=0.0), "tolerance"),
     ):
         with pytest.raises(ValueError, match=words):

@@ -162,8 +162,8 @@ def test_contacts_are_those_of_every_pair(seed: int) -> None:
     world, model = mixed(seed)
     for margin in (0.0, 0.03, 0.3):
         expected = model.contacts(margin)
-        assert world.contacts(margin=margin).tolist() == expected
-        assert world.contacts(margin=margin, threads=3).tolist() == expected
+        assert world.contact_pairs(margin=margin).tolist() == expected
+        assert world.contact_pairs(margin=margin, threads=3).tolist() == expected
     assert 5 < len(model.contacts()) < len(model.items) ** 2 / 3
 
 
@@ -343,9 +343,9 @@ def test_allowed_contacts_are_no_collision() -> None:
     world = World()
     a, b, c = (world.add(CUBE, at(0.5 * x), groups=g) for x, g in ((0, "g"), (1, "h"), (2, ())))
     everything = [[a, b], [a, c], [b, c]]
-    assert world.contacts().tolist() == everything
+    assert world.contact_pairs().tolist() == everything
     world.allow(b, a)
-    assert world.contacts().tolist() == everything[1:]
+    assert world.contact_pairs().tolist() == everything[1:]
     assert world.collides(a, HERE)  # c still
     world.allow(a, c)
     assert not world.collides(a, HERE)
@@ -354,16 +354,16 @@ def test_allowed_contacts_are_no_collision() -> None:
     assert world.check_motions([a, b], [HERE, HERE], [HERE, HERE]).other.tolist() == [-1, c]
     world.allow(a, b, False)
     world.allow(c, a, allowed=False)
-    assert world.contacts().tolist() == everything
+    assert world.contact_pairs().tolist() == everything
     world.allow_groups("h", "g")
-    assert world.contacts().tolist() == everything[1:]
+    assert world.contact_pairs().tolist() == everything[1:]
     world.allow_groups("g", "h", False)
-    assert world.contacts().tolist() == everything
+    assert world.contact_pairs().tolist() == everything
     world.allow_groups("g", "g")  # within a group
-    assert world.contacts().tolist() == everything
+    assert world.contact_pairs().tolist() == everything
     world.add(CUBE, groups=["x", "g"])
-    assert [a, 3] not in world.contacts().tolist()
-    assert [b, 3] in world.contacts().tolist()
+    assert [a, 3] not in world.contact_pairs().tolist()
+    assert [b, 3] in world.contact_pairs().tolist()
 
 
 def test_a_filter_ends_with_the_body() -> None:
@@ -372,7 +372,7 @@ def test_a_filter_ends_with_the_body() -> None:
     world.allow(a, b)
     world.remove(b)
     c = world.add(CUBE)
-    assert world.contacts().tolist() == [[a, c]]
+    assert world.contact_pairs().tolist() == [[a, c]]
 
 
 # Carried bodies
@@ -392,7 +392,7 @@ def test_a_carrier_moves_what_it_carries() -> None:
         model.set_pose(0, pose)
         for i, offset in apart.items():
             np.testing.assert_allclose(world.poses(i), pose @ offset, atol=1e-12)
-    assert world.contacts().tolist() == model.contacts()
+    assert world.contact_pairs().tolist() == model.contacts()
     world.detach(3)
     model.detach(3)
     before = world.poses(world.ids)
@@ -411,12 +411,12 @@ def test_parts_of_a_robot_never_meet_each_other() -> None:
     a, b, c = (world.add(CUBE, at(0.2 * i)) for i in range(3))
     world.attach(b, a)
     world.attach(c, b)
-    assert world.contacts().tolist() == []
+    assert world.contact_pairs().tolist() == []
     assert not world.collides(a, at(7.0))
     assert world.clearance(a, HERE).body == -1
     assert world.check_motion(a, HERE, turned(3.0))
     world.detach(b)  # c goes with it
-    assert world.contacts().tolist() == [[a, b], [a, c]]
+    assert world.contact_pairs().tolist() == [[a, b], [a, c]]
 
 
 def test_what_a_removed_body_carried_stays() -> None:
@@ -433,7 +433,7 @@ def test_what_a_removed_body_carried_stays() -> None:
         assert (world.poses(left) == before[left]).all()
         carriers = {0: [None, 1], 1: [None, None], 2: [None, 0]}[gone]
         assert [world.record(i).carrier for i in left] == carriers
-        assert world.contacts().tolist() == []
+        assert world.contact_pairs().tolist() == []
         free = [i for i in left if world.record(i).carrier is None]
         world.set_pose(free, [at(0.0, 10.0 * i) for i in free])
         for i in free:
@@ -603,11 +603,15 @@ def test_a_copy_goes_on_as_the_original(how: str) -> None:
     poses, times = wander(rng, 30, 1.0), rng.uniform(0.0, 4.0, size=30)
 
     def answers(w: World) -> bytes:
-        parts = [w.contacts(), w.contacts(margin=0.1), *w.raycast(poses[:, :3, 3], poses[:, :3, 0])]
+        parts = [
+            w.contact_pairs(),
+            w.contact_pairs(margin=0.1),
+            *w.raycast(poses[:, :3, 3], poses[:, :3, 0]),
+        ]
         for robot in (0, 4, 6, 7, 13):
             parts += [w.collides(robot, poses), w.collides(robot, poses, times=times)]
             parts += w.clearance(robot, poses, times=times)
-            parts += w.check_motion(robot, poses[:-1], poses[1:], t0=0.0, t1=2.0)[:5]
+            parts += w.check_motion(robot, poses[:-1], poses[1:], start_time=0.0, end_time=2.0)[:5]
         parts += [w.poses(w.ids), *(w.candidates(robot) for robot in (0, 7))]
         return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
@@ -644,7 +648,7 @@ def test_a_copy_outlives_the_original() -> None:
     twin = world.copy()
     world.remove(a)
     del world
-    assert twin.contacts().tolist() == [[a, b]]
+    assert twin.contact_pairs().tolist() == [[a, b]]
 
 
 # Many bodies
@@ -664,7 +668,7 @@ def test_thousands_of_bodies_that_come_move_and_go() -> None:
         near = cKDTree(poses[:, :3, 3]).query_pairs(0.35, output_type="ndarray")
         near = near[np.lexsort(near.T[::-1])]
         i, j = near[collide(small, poses[near[:, 0]], small, poses[near[:, 1]])].T
-        assert world.contacts().tolist() == np.c_[ids[i], ids[j]].tolist()
+        assert world.contact_pairs().tolist() == np.c_[ids[i], ids[j]].tolist()
         return len(i)
 
     for reach in (2.0, 2.0, 2.5, 0.2, 3.0):
@@ -687,7 +691,7 @@ def test_open_shapes_hold_nothing() -> None:
     world = World()
     tray = world.add(Shape(*opened(box(1.0))))
     pebble = world.add(Shape(*ball(0.1)))
-    assert world.contacts().tolist() == []
+    assert world.contact_pairs().tolist() == []
     assert not world.collides(pebble, HERE)
     assert world.clearance(pebble, HERE).body == tray
     shut = world.add(CUBE)

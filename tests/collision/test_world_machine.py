@@ -165,26 +165,26 @@ class WorldMachine(RuleBasedStateMachine):
         window = np.sort(rng.uniform(-0.5, 3.0, size=2)) if timed else None
         t = np.r_[0.0, rng.random(12), 1.0]
         times = None if window is None else window[0] + t * (window[1] - window[0])
-        how = {} if window is None else {"t0": window[0], "t1": window[1]}
-        for T0, T1, on_path in legs:
-            found = self.worlds[0].check_motion(robot, T0, T1, margin=margin, **how)
-            same = self.worlds[1].check_motion(robot, T0, T1, margin=margin, **how)
+        how = {} if window is None else {"start_time": window[0], "end_time": window[1]}
+        for start, end, on_path in legs:
+            found = self.worlds[0].check_motion(robot, start, end, margin=margin, **how)
+            same = self.worlds[1].check_motion(robot, start, end, margin=margin, **how)
             np.testing.assert_array_equal(np.array(found[:5], float), np.array(same[:5], float))
             hit = np.zeros(len(t), np.bool_)
-            poses = along(T0, T1, t)
+            poses = along(start, end, t)
             for body, hits in self.model.hits(robot, poses, times, margin).items():
                 hit |= hits
                 if on_path and margin == 0.0 and hits.any():
                     assert body in self.worlds[0].candidates(robot).tolist()
             assert not (found.free and hit.any())
-            assert found.free or not hit[t < found.contact].any()
+            assert found.free or not hit[t < found.free_until].any()
             for world in self.worlds:
                 answer = world.collides(robot, poses, times=times, margin=margin, threads=1)
                 assert (answer == hit).all()
             if np.isfinite(found.contact_by):
                 at = np.array([found.contact_by])
                 when = None if window is None else window[0] + at * (window[1] - window[0])
-                shown = self.model.hits(robot, along(T0, T1, at), when, margin)
+                shown = self.model.hits(robot, along(start, end, at), when, margin)
                 assert shown[found.other][0]
 
     def legs(self, robot: int, rng: np.random.Generator) -> list[tuple[Floats, Floats, bool]]:
@@ -208,7 +208,7 @@ class WorldMachine(RuleBasedStateMachine):
     @invariant()
     def contacts_are_true(self) -> None:
         for world in self.worlds:
-            assert world.contacts().tolist() == self.model.contacts()
+            assert world.contact_pairs().tolist() == self.model.contacts()
 
     @invariant()
     def poses_are_true(self) -> None:

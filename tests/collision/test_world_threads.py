@@ -79,7 +79,7 @@ def answers(world: World, seed: int, threads: int | None = 1) -> list[bytes]:
     """Of every query."""
     rng = np.random.default_rng(seed)
     poses = wander(rng, 40, 1.0)
-    some: list[Any] = [world.contacts(threads=threads), world.poses(world.ids)]
+    some: list[Any] = [world.contact_pairs(threads=threads), world.poses(world.ids)]
     some += [world.collides(0, poses, threads=threads), *world.clearance(0, poses, threads=threads)]
     some += world.check_motion(0, poses[1:], poses[:-1], threads=threads)
     some += world.check_motions([0, 2, 3], poses[:3], poses[3:6])
@@ -115,7 +115,7 @@ def test_threads_on_worlds_of_their_own() -> None:
         for _ in range(10):
             body = world.add(shapes()[0], wander(rng, 1, 1.0)[0])
             world.set_pose([2, body], wander(rng, 2, 1.0))
-            world.contacts()
+            world.contact_pairs()
             twin = world.copy()
             twin.remove(body)
             if rng.random() < 0.5:
@@ -149,7 +149,7 @@ def test_a_change_is_seen_whole_or_not_at_all() -> None:
 
     def look() -> None:
         while not stop.is_set():
-            assert world.contacts().tolist() == []
+            assert world.contact_pairs().tolist() == []
             left, right = world.collides(feeler, np.stack([HERE, at(5.0)]), threads=1)
             assert left
             assert right
@@ -189,13 +189,13 @@ def test_queries_and_changes_of_every_kind_on_one_world() -> None:
             poses = wander(rng, 20, 1.0)
             world.collides(0, poses, times=0.5, threads=2)
             world.clearance(2, poses, threads=1)
-            assert len(world.contacts(margin=0.1)) > 0
-            world.check_motion(0, poses[1:], poses[:-1], t0=0.0, t1=1.0)
+            assert len(world.contact_pairs(margin=0.1)) > 0
+            world.check_motion(0, poses[1:], poses[:-1], start_time=0.0, end_time=1.0)
             world.check_motions([0, 5, 7], poses[:3], poses[3:6])
             world.raycast(poses[:, :3, 3], poses[:, :3, 0])
             assert world.mask(0) >= 1
             assert 15 <= len(world) <= 17
-            world.copy().contacts()
+            world.copy().contact_pairs()
             assert 0 <= world.nbytes < 1e9
             time.sleep(1e-3)  # lets changes in
 

@@ -160,7 +160,7 @@ def test_nobody_overlaps_after_any_step(crowd):
         hits += int((simulator.hits >= 0).sum())
         if step % 4 == 3:
             for k in range(simulator.n_worlds):
-                assert len(simulator.world(k).contacts()) == 0
+                assert len(simulator.world(k).contact_pairs()) == 0
     assert hits > (20 if crowd in ("packed", "arms", "warehouse") else 0)
 
 
@@ -175,7 +175,7 @@ def test_nobody_overlaps_whatever_they_do(seed, body):
         noise = simulator.sample(rng)
         towards = np.clip(simulator.toward(simulator.goals) + noise, -1, 1)
         simulator.step(towards)
-        assert len(simulator.world().contacts()) == 0
+        assert len(simulator.world().contact_pairs()) == 0
 
 
 def test_a_collision_says_whom_when_and_where():
@@ -526,7 +526,7 @@ def test_way_points_fit_every_drive(name):
         rows = simulator.step(simulator.sample(rng)).observations
         assert np.isfinite(rows).all()
     for k in range(2):
-        assert len(simulator.world(k).contacts()) == 0
+        assert len(simulator.world(k).contact_pairs()) == 0
 
 
 # Episodes
@@ -537,7 +537,7 @@ def test_random_starts_are_free_and_by_seed_and_episode():
     simulator.reset(seed=10)
     first = simulator.configurations.copy()
     for k in range(4):
-        assert len(simulator.world(k).contacts()) == 0
+        assert len(simulator.world(k).contact_pairs()) == 0
     simulator.reset()
     assert (simulator.configurations != first).any(axis=2).all()
     simulator.reset(seed=10)

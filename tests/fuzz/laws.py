@@ -12,7 +12,7 @@ import pytest
 from oracles.rational import meshes_meet
 
 from fgenv.arrays import Floats
-from fgenv.collision import Shape, collide, contact, distance, nearest
+from fgenv.collision import Shape, collide, contact_point, distance, nearest_points
 
 Placed = tuple[Shape, Floats]
 
@@ -35,7 +35,7 @@ def of_collide(a: Placed, b: Placed, exact: bool) -> None:
         assert hit or gap > 0 or (not exact and collide(*a, *b, margin=near)), gap
         if exact:
             meet = meshes_meet(a[0].vertices, a[0].faces, a[1], b[0].vertices, b[0].faces, b[1])
-            found = contact(*a, *b)
+            found = contact_point(*a, *b)
             assert hit or not meet, "missed"
             assert meet or not hit or (found is not None and found.edge is None), "false hit"
     elif "loop" not in (a[0].method, b[0].method):
@@ -44,7 +44,7 @@ def of_collide(a: Placed, b: Placed, exact: bool) -> None:
 
 def of_contact(a: Placed, b: Placed, exact: bool) -> None:
     """A contact exactly where there is a collision; what it names exists; the point is on both."""
-    found = contact(*a, *b)
+    found = contact_point(*a, *b)
     assert (found is not None) == collide(*a, *b)
     if found is None:
         return
@@ -59,7 +59,7 @@ def of_contact(a: Placed, b: Placed, exact: bool) -> None:
 
 def of_distance(a: Placed, b: Placed, exact: bool) -> None:
     """nearest agrees with distance bit for bit; its points are that far apart; symmetric."""
-    gap, found = distance(*a, *b), nearest(*a, *b)
+    gap, found = distance(*a, *b), nearest_points(*a, *b)
     assert np.isfinite(gap)
     assert gap >= 0
     assert gap == found.distance, (gap, found.distance)

@@ -20,7 +20,7 @@ from fuzz.driver import instrument, one_line, run
 if __name__ == "__main__":
     instrument("fgenv.collision", "fuzz.decode", "fuzz.laws")
 
-from fgenv.collision import FeatureGraph, Shape, collide, contact, distance, nearest
+from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 from fuzz import laws
 from fuzz.decode import BAD, Reader
 
@@ -104,8 +104,8 @@ def ask_nonsense(reader: Reader) -> None:
     threads: Any = reader.choice([1, 2, None, 0, -1, 1.5])
     explains(lambda: collide(shape, pose, shape, other, margin=margin, threads=threads))
     explains(lambda: distance(shape, other, shape, pose, threads=threads))
-    explains(lambda: nearest(shape, pose, shape, other))
-    explains(lambda: contact(shape, pose, shape, other))
+    explains(lambda: nearest_points(shape, pose, shape, other))
+    explains(lambda: contact_point(shape, pose, shape, other))
     points = [reader.double() for _ in range(3)]
     explains(lambda: shape.contains(points, pose))
     explains(lambda: shape.raycast(points, vertices, pose, margin))

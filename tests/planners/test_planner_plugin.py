@@ -219,7 +219,7 @@ def test_meet_agrees_with_check_motions() -> None:
     problem = Problem.of("random", n=2, seed=1)
     rng = np.random.default_rng(4)
     q = rng.uniform(-1, 1, (300, 4, 3))
-    met = problem.world.meet(
+    met = problem.world.motions_collide(
         *[problem.robots[0], q[:, 0], q[:, 1], problem.robots[1], q[:, 2], q[:, 3]]
     )
     empty = World()
@@ -228,7 +228,9 @@ def test_meet_agrees_with_check_motions() -> None:
     for (a0, a1, b0, b1), hit in zip(q, met, strict=True):
         assert hit == (not empty.check_motions(ids, [a0, b0], [a1, b1]))
     with pytest.raises(ValueError, match="the same robot"):
-        problem.world.meet(problem.robots[0], q[0, 0], q[0, 1], problem.robots[0], q[0, 2], q[0, 3])
+        problem.world.motions_collide(
+            problem.robots[0], q[0, 0], q[0, 1], problem.robots[0], q[0, 2], q[0, 3]
+        )
 
 
 def test_nonfinite_states_are_invalid() -> None:

@@ -227,7 +227,7 @@ def test_plans_are_free_at_sampled_times(name: str, n: int, method: str) -> None
     for time in np.arange(0.0, plan.makespan, 0.05):
         for robot, q in zip(problem.robots, plan.at(time), strict=True):
             world.set_configuration(robot, q)
-        assert len(world.contacts()) == 0
+        assert len(world.contact_pairs()) == 0
     for i, q in enumerate(plan.configurations):
         assert problem.models[i].distance(q[0], problem.starts[i]) < 1e-9
         assert problem.models[i].distance(q[-1], problem.goals[i]) < 1e-9

@@ -88,7 +88,7 @@ def test_collides_where_kinematics_say(seed: int) -> None:
     assert (scene.world.configuration("robot") == q[0]).all()
     ids = scene.world.parts("robot")
     np.testing.assert_allclose(scene.world.poses(ids), scene.parts_at(q[0]), atol=1e-12)
-    met = {frozenset(pair) for pair in scene.world.contacts().tolist()}
+    met = {frozenset(pair) for pair in scene.world.contact_pairs().tolist()}
     mine = {pair for pair in met if pair & set(ids.tolist())}
     assert bool(mine) == scene.hit(q[0])
 
@@ -120,14 +120,14 @@ def test_a_motion_is_that_of_the_whole_tree(seed: int) -> None:
         assert not found.unresolved
         t = np.linspace(0.0, 1.0, 60)
         hit = scene.world.collides("robot", robot.interpolate(q0, q1, t))
-        assert not hit[t < found.contact].any()
+        assert not hit[t < found.free_until].any()
         if found.free:
             assert not hit.any()
             continue
-        assert found.contact <= found.contact_by
+        assert found.free_until <= found.contact_by
         assert scene.world.collides("robot", robot.interpolate(q0, q1, found.contact_by))
         assert found.part in scene.world.parts("robot")
-        any_contact = scene.world.check_motion("robot", q0, q1, first=False)
+        any_contact = scene.world.check_motion("robot", q0, q1, first_contact=False)
         assert not any_contact.free
 
 
@@ -141,12 +141,14 @@ def test_a_link_runs_into_the_robot_itself() -> None:
     assert not found.free
     names = [world.names[world.ids.tolist().index(i)] for i in (found.part, found.other)]
     assert names == ["arm", "arm/link3"]
-    before, after = robot.interpolate(straight, curled, np.array([found.contact, found.contact_by]))
+    before, after = robot.interpolate(
+        straight, curled, np.array([found.free_until, found.contact_by])
+    )
     assert not world.collides("arm", before)
     assert world.collides("arm", after)
     world.allow(*names)
     assert world.check_motion("arm", straight, curled).free or (
-        world.check_motion("arm", straight, curled).contact > found.contact
+        world.check_motion("arm", straight, curled).free_until > found.free_until
     )
 
 
@@ -166,7 +168,7 @@ def test_a_robot_of_one_body_is_that_body(base: str) -> None:
     one, other = tree.check_motion(cart, q0, q1), plain.check_motion(cube, *poses)
     assert (one.free == other.free).all()
     assert 20 < one.free.sum() < 180
-    np.testing.assert_allclose(one.contact, other.contact, atol=1e-5)
+    np.testing.assert_allclose(one.free_until, other.free_until, atol=1e-5)
     np.testing.assert_allclose(
         tree.clearance(cart, q0).distance, plain.clearance(cube, poses[0]).distance, atol=1e-9
     )
@@ -216,12 +218,12 @@ def test_two_arms_move_at_once() -> None:
         alone.add_robot(robot)
         alone.add_robot(other)
         alone.set_trajectory("arm (2)", [0.0, 2.0], [b0, b1])
-        timed = alone.check_motion("arm", a0, a1, t0=0.0, t1=2.0)
+        timed = alone.check_motion("arm", a0, a1, start_time=0.0, end_time=2.0)
         hit = alone.collides("arm", robot.interpolate(a0, a1, t), times=2.0 * t)
         assert timed.free == bool(found.free[0])
         assert not (timed.free and hit.any())
-        assert not hit[t < timed.contact].any()
-        assert timed.contact == pytest.approx(found.contact[0], abs=1e-4)
+        assert not hit[t < timed.free_until].any()
+        assert timed.free_until == pytest.approx(found.free_until[0], abs=1e-4)
         met += not timed.free
     assert 5 < met < 35
 
@@ -301,7 +303,7 @@ def test_what_is_wrong_is_told() -> None:
             r"poses: shape \(4, 4\), expected \(\.\.\., 1\)",
         ),
         (lambda: world.collides("cube", [0.1]), r"poses: shape \(1,\), expected \(\.\.\., 4, 4\)"),
-        (lambda: world.check_motion("arm", [np.nan], [0.0]), "T0.*joint0"),
+        (lambda: world.check_motion("arm", [np.nan], [0.0]), "start.*joint0"),
         (lambda: world.set_pose("arm", np.eye(4)), "'arm' is a robot; set_configuration"),
         (lambda: world.set_configuration("cube", [0.0]), "'cube' is a body; set_pose"),
         (lambda: world.configuration(cube), "'cube' is a body; poses"),

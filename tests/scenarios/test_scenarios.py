@@ -75,8 +75,8 @@ def test_all_starts_and_goals_are_free_by_the_core_and_as_many_as_asked(
     built = scenario.build()
     assert len(scenario.robots) == ways.get("n", 1)
     assert scenario.problems() == ()
-    assert len(scenario.world().contacts()) == 0
-    assert len(built.world(built.goals).contacts()) == 0
+    assert len(scenario.world().contact_pairs()) == 0
+    assert len(built.world(built.goals).contact_pairs()) == 0
     assert scenario.dimension == ENTRIES[name].dimension
     for robot, start, goal in zip(built.robots, built.starts, built.goals, strict=True):
         assert robot.drive is not None

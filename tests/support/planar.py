@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 
 from fgenv.arrays import Floats
-from fgenv.collision.world import Record
+from fgenv.collision.world import BodyRecord
 from fgenv.paper.scene import model_list, robot_shape
 from fgenv.paper.timed_path import as_path, radius_of, refine
 from fgenv.planners import Problem
@@ -58,7 +58,7 @@ class Fcl:
         self.radius = radius_of(robot_shape(problem).vertices)
 
     @staticmethod
-    def _object(body: Record) -> Any:
+    def _object(body: BodyRecord) -> Any:
         model = fcl.BVHModel()
         model.beginModel(len(body.shape.vertices), len(body.shape.faces))
         model.addSubModel(body.shape.vertices, body.shape.faces)

@@ -75,13 +75,13 @@ double ask(const World& w, Random& random) {
     Suspects suspects;
     sum += w.free_at({robot}, {from}, 0.01, suspects);
     sum += w.free_on({robot}, {from}, {to}, now_, suspects);
-    sum += w.meet(0, from, to, 4, to, from, now_);
+    sum += w.motions_collide(0, from, to, 4, to, from, now_);
     sum += w.check_motion(robot, from, to, now_).contact.free_until;
     sum += w.check_motion(robot, from, to, later).contact.free_until;
     for (const MotionOutcome& o : w.check_motions({0, 4, 8}, {from, to, from}, {to, from, from}, now_)) sum += o.other;
     sum += w.raycast(origin(from.pose), {1, 0, 0}, 10, {robot}).body;
     std::vector<std::pair<BodyId, BodyId>> pairs;
-    for (int32_t block = 0; block < w.blocks(); ++block) w.contacts_of_block(block, 0.1, pairs);
+    for (int32_t block = 0; block < w.blocks(); ++block) w.contact_pairs_of_block(block, 0.1, pairs);
     sum += static_cast<double>(pairs.size());
     for (const auto& [id, path] : w.paths()) sum += path.bit + static_cast<double>(path.candidates.size());
     sum += static_cast<double>(w.body(robot).movers.size() + w.nbytes() % 2 + w.size() % 2);

@@ -217,7 +217,7 @@ def _ways(world: World, robot: int, motions: Motions, other: Fcl) -> dict[str, W
 
     return {
         "continuous": ours(),
-        "any contact": ours(first=False),
+        "any contact": ours(first_contact=False),
         "discrete 1 cm": ours(mode="discrete", resolution=STEP),
         "FCL discrete 1 cm": lambda rows: other.discrete([poses[k] for k in rows]),
         **{name: theirs(solver) for name, solver in SOLVERS.items()},

@@ -198,7 +198,7 @@ def bench_threads(mesh: Mesh, count: int, seed: int, rounds: int = ROUNDS) -> di
     poses, cut = scenes.paths.cut(1000)[0], scenes.paths.cut(200)[0]
     world.set_path("mover 0", scenes.paths.points[0])
     jobs: dict[str, Callable[[int], object]] = {
-        "contacts": lambda n: world.contacts(threads=n),
+        "contacts": lambda n: world.contact_pairs(threads=n),
         "collides": lambda n: world.collides("mover 0", poses, threads=n),
         "check_motion": lambda n: world.check_motion("mover 0", cut[:-1], cut[1:], threads=n),
     }

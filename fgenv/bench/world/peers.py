@@ -36,7 +36,7 @@ class Manager:
 
 
 class FgenvBodies:
-    """`set_pose` of all, `contacts`, one thread."""
+    """`set_pose` of all, `contact_pairs`, one thread."""
 
     def __init__(self, mesh: Mesh, poses: Poses) -> None:
         from fgenv.bench.peers.fgenv_ import PEER
@@ -48,12 +48,12 @@ class FgenvBodies:
 
     def step(self, poses: Poses) -> object:
         self.world.set_pose(self.ids, poses)
-        return self.world.contacts(threads=1)
+        return self.world.contact_pairs(threads=1)
 
     def pairs(self, poses: Poses) -> Pairs:
         self.world.set_pose(self.ids, poses)
         index = {int(body): k for k, body in enumerate(self.ids)}
-        return {(index[int(a)], index[int(b)]) for a, b in self.world.contacts(threads=1)}
+        return {(index[int(a)], index[int(b)]) for a, b in self.world.contact_pairs(threads=1)}
 
 
 class FclBodies:

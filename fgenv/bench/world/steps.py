@@ -138,7 +138,7 @@ def decided(mesh: Mesh, poses: Poses, pairs: Pairs) -> dict[bool, Pairs]:
 def _near_pairs(bodies: Any) -> int:
     """Pairs whose boxes meet: those that fgenv tests for one step."""
     before = bodies.world.tests
-    bodies.world.contacts(threads=1)
+    bodies.world.contact_pairs(threads=1)
     return int(bodies.world.tests - before)
 
 

@@ -58,11 +58,11 @@ nb::object distance(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb
 
 nb::tuple tuple_of(Vec3 p) { return nb::make_tuple(p.x, p.y, p.z); }
 
-nb::object contact(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
+nb::object contact_point(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     if (!ta.single() || !tb.single())
-        throw nb::value_error("Ta, Tb: contact takes one pose each, shape (4, 4); use collide for arrays");
+        throw nb::value_error("Ta, Tb: contact_point takes one pose each, shape (4, 4); use collide for arrays");
     const ContactInfo c = contact_of(a, ta[0], b, tb[0], false);
     if (!c.hit) return nb::none();
     nb::object edge = nb::none();
@@ -70,7 +70,7 @@ nb::object contact(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb) {
     return nb::make_tuple(tuple_of(c.point), tuple_of(c.normal), edge, c.face, c.edge_of_a);
 }
 
-nb::object nearest(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb::handle threads) {
+nb::object nearest_points(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     const int n_threads = threads_of(threads);
@@ -150,39 +150,39 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "margin"_a = 0.0,
+    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "margin"_a = 0.0,
           "threads"_a = nb::none(),
           R"(Whether two posed shapes collide.
 
-Exact for shapes of method `exact`; touching counts, and so does being inside a watertight shape.
-Where either shape's method is `loop`, a's cycle is tested against b's faces, as published.
+Exact for shapes of method `exact`. Touching counts, and so does containment in a watertight shape.
+If either shape's method is `loop`, a's cycle is tested against b's faces, as published.
 
 Args:
     a, b: shapes.
     Ta, Tb: their poses (..., 4, 4), rigid, meters; leading dimensions broadcast.
-    margin: meters; over 0, what is no farther apart than this collides. Distances are exact whatever
-        the shapes' methods, and so is this verdict.
+    margin: meters; shapes no farther apart than this collide. With a margin over 0 the result is
+        exact for all methods, as distances are.
     threads: for arrays; None: FGENV_THREADS, else all cores. The result does not depend on it.
 
 Returns:
     bool for single poses, else a bool array of the broadcast shape.
 
 Raises:
-    TypeError, ValueError: naming the argument, what came and what is expected.)");
-    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none(),
-          R"(Distance of two posed shapes in meters; 0 where they collide, containment included.
+    TypeError, ValueError: the argument, the value received and the value expected.)");
+    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "threads"_a = nb::none(),
+          R"(Distance of two posed shapes in meters; 0 if they collide, containment included.
 
-Exact whatever the shapes' methods.
+Exact for all methods.
 
 Args:
     a, b, Ta, Tb, threads: as for collide.
 
 Returns:
     float for single poses, else a float64 array of the broadcast shape.)");
-    m.def("nearest", &nearest, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), "threads"_a = nb::none());
-    m.def("contact", &contact, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
-    m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), "threads"_a = nb::none());
-    m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), "max_distance"_a,
+    m.def("nearest_points", &nearest_points, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "threads"_a = nb::none());
+    m.def("contact_point", &contact_point, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
+    m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), nb::kw_only(), "threads"_a = nb::none());
+    m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), nb::kw_only(), "max_distance"_a,
           "threads"_a = nb::none());
 }
 

@@ -31,7 +31,7 @@ BodyId add(World& w, std::shared_ptr<Shape> shape, nb::handle pose, const std::s
 
 BodyId add_robot(World& w, const Robot& robot, nb::handle q, const nb::list& parts,
                  const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
-                 const std::string& like, nb::handle groups) {
+                 const std::string& default_name, nb::handle groups) {
     const Configurations c = configurations(robot, q, "q");
     if (!c.dims.empty()) fail("q: " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
     std::vector<RobotPart> bodies;
@@ -41,7 +41,7 @@ BodyId add_robot(World& w, const Robot& robot, nb::handle q, const nb::list& par
     const std::vector<std::string> names = names_of(groups, "groups");
     const auto lock = writing(w);
     return w.add_robot(std::make_shared<const Robot>(robot), {c.row(0), c.row(0) + c.nq}, bodies, allowed,
-                       name.empty() ? w.unused_name(like) : name, names);
+                       name.empty() ? w.unused_name(default_name) : name, names);
 }
 
 BodyId remove(World& w, nb::handle body) {
@@ -162,9 +162,9 @@ void bind_world(nb::module_& m) {
                  self->~World();
                  new (self) World(other);
              })
-        .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, "groups"_a.none(), "id"_a)
-        .def("add_robot", &add_robot, "robot"_a, "q"_a.none(), "parts"_a, "allowed"_a, "name"_a, "like"_a,
-             "groups"_a.none())
+        .def("add_body", &add, "shape"_a, "pose"_a.none(), "name"_a, nb::kw_only(), "groups"_a.none(), "id"_a)
+        .def("add_robot", &add_robot, "robot"_a, "q"_a.none(), "parts"_a, nb::kw_only(), "allowed"_a, "name"_a,
+             "default_name"_a, "groups"_a.none())
         .def("remove", &remove, "body"_a.none())
         .def("set_configuration", &set_configuration, "robot"_a.none(), "q"_a.none())
         .def("configuration", &configuration, "robot"_a.none())
@@ -235,6 +235,7 @@ void bind_world(nb::module_& m) {
             return w.size();
         });
     bind_world_queries(c);
+    bind_world_motions(c);
     bind_world_state(c);
 }
 

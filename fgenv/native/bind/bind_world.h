@@ -92,6 +92,7 @@ nb::object places_out(const std::vector<Place>& places, const Model& model);
 nb::int_ mask_of(const World& w, const Body& body);
 
 void bind_world_queries(nb::class_<World>& c);
+void bind_world_motions(nb::class_<World>& c);
 void bind_world_state(nb::class_<World>& c);
 
 }  // namespace fgenv

@@ -63,6 +63,17 @@ nb::list names(const World& w) {
     return out;
 }
 
+// Of each id its body's name, root and link; of an id that is not in this world None, -1, 0.
+nb::list labels(const World& w, const std::vector<int64_t>& ids) {
+    const auto lock = reading(w);
+    nb::list out;
+    for (int64_t id : ids) {
+        const Body* b = id >= 0 && id < w.end_id() ? w.find(static_cast<BodyId>(id)) : nullptr;
+        out.append(b ? nb::make_tuple(b->name, b->root, b->link) : nb::make_tuple(nb::none(), -1, 0));
+    }
+    return out;
+}
+
 // All of a world, of one moment.
 nb::dict state(const World& w) {
     const auto lock = reading(w);
@@ -119,7 +130,8 @@ void bind_world_state(nb::class_<World>& c) {
         .def("restore", &restore, "state"_a, "robots"_a)
         .def("record", &record, "body"_a.none())
         .def("ids", &ids)
-        .def("names", &names);
+        .def("names", &names)
+        .def("labels", &labels, "ids"_a);
 }
 
 }  // namespace fgenv

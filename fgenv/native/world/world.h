@@ -174,7 +174,7 @@ public:
     bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                  const MotionSettings& settings, Suspects& suspects) const;
     // Whether two movers that go at once are not proved apart, whatever else there is.
-    bool meet(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
+    bool motions_collide(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
               const MotionSettings& settings) const;
     // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
     void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
@@ -183,7 +183,7 @@ public:
 
     // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
     int32_t blocks() const;
-    void contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const;
+    void contact_pairs_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const;
 
     const Body& body(BodyId id) const;  // throws where there is none
     const Body* find(BodyId id) const;

@@ -230,7 +230,7 @@ bool World::free_on(const std::vector<BodyId>& robots, const std::vector<Place>&
     return found;
 }
 
-bool World::meet(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
+bool World::motions_collide(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
                  const MotionSettings& settings) const {
     const Body &first = body(a), &second = body(b);
     const double margin = settings.certify.margin;

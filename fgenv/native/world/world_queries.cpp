@@ -220,7 +220,7 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
 }
 
 // The bodies of one block of eight against those of this and later blocks: one search for eight.
-void World::contacts_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const {
+void World::contact_pairs_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const {
     const PackedBoxes& packed = index_.packed();
     const BoxBlock& own = packed.levels[0][block];
     const float wide = rounded_up(margin);

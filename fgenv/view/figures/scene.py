@@ -6,7 +6,7 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.collision import FeatureGraph, Shape
-from fgenv.collision.world import Record
+from fgenv.collision.world import BodyRecord
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.palette import INK, STEEL, Color
 from fgenv.view.figures.picture import Picture
@@ -27,7 +27,7 @@ def outline(shape: Shape) -> Floats:
 
 
 def stage(
-    bodies: Sequence[Record],
+    bodies: Sequence[BodyRecord],
     camera: Camera,
     colors: Mapping[str, Color],
     *,
@@ -48,7 +48,7 @@ def stage(
     return picture
 
 
-def portrait(body: Record, width: int, height: int, azimuth: float = -0.85) -> Camera:
+def portrait(body: BodyRecord, width: int, height: int, azimuth: float = -0.85) -> Camera:
     """A camera that sees the whole body from `azimuth` (rad about z), a little from above."""
     low, high = body.bounds
     points = placed(body.shape.vertices, body.pose)

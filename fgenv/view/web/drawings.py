@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.collision import World, nearest
+from fgenv.collision import World, nearest_points
 from fgenv.envs import Simulator
 from fgenv.envs.native_config import directions, lidar_of
 from fgenv.view.figures.palette import BLACK, INK, PURPLE, VERMILION, Color, robot_color
@@ -77,7 +77,7 @@ def shortest(world: World, robot: str, body: int) -> Floats:
     """The ends (2, 3) of the shortest line from a robot to a body."""
     other = world.record(body)
     mine = [world.record(part) for part in world.parts(robot).tolist()]
-    found = [nearest(m.shape, m.pose, other.shape, other.pose) for m in mine]
+    found = [nearest_points(m.shape, m.pose, other.shape, other.pose) for m in mine]
     best = min(found, key=lambda n: float(n.distance))
     return np.stack([np.asarray(best.point_a), np.asarray(best.point_b)])
 
