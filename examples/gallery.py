@@ -21,14 +21,14 @@ from fgenv.collision import Shape
 from fgenv.envs import Record
 from fgenv.paper import figures
 from fgenv.view import Camera, Floor, Picture, Solid
-from fgenv.view.episodes import driven, load_episode
+from fgenv.view.episodes import load_episode, record_of_plan
 from fgenv.view.figures.camera import box_corners, overview
 from fgenv.view.figures.episode_frames import frames_of
-from fgenv.view.figures.fleet_painter import FleetPainter
 from fgenv.view.figures.palette import BLUE, GREEN, INK, ORANGE, STEEL, VERMILION
-from fgenv.view.figures.plots import plot
-from fgenv.view.figures.quantize import small
-from fgenv.view.figures.scene import outline, placed, stage
+from fgenv.view.figures.quantize import quantize
+from fgenv.view.figures.record_plots import plot_record
+from fgenv.view.figures.scenario_painter import ScenarioPainter
+from fgenv.view.figures.scene import outlined_picture, sharp_edges, transform
 
 SIZE = 480, 360
 Names = dict[str, Any]  # what an example leaves behind
@@ -41,13 +41,13 @@ def ghosts(shape: Shape, poses: Sequence[Floats] | Floats, opacity: float = 0.3)
 
 def seen(shapes: Sequence[tuple[Shape, Floats]], azimuth: float, elevation: float) -> Camera:
     """A camera that sees all of these bodies."""
-    corners = [placed(box_corners(*shape.bounds), pose) for shape, pose in shapes]
+    corners = [transform(box_corners(*shape.bounds), pose) for shape, pose in shapes]
     return overview(np.concatenate(corners), *SIZE, azimuth, elevation)
 
 
 def outlined(picture: Picture, shape: Shape, pose: Floats) -> None:
     """Its sharp edges."""
-    picture.segments(placed(outline(shape), pose), INK, width=0.7, opacity=0.6)
+    picture.segments(transform(sharp_edges(shape), pose), INK, width=0.7, opacity=0.6)
 
 
 def two_meshes(names: Names) -> Image.Image:
@@ -78,7 +78,7 @@ def own_planner(names: Names) -> Image.Image:
     poses[:, :3, 3] = way[:, :3]
     ends = [Solid(post, np.eye(4), STEEL), Solid(ring, poses[-1], ORANGE)]
     camera = seen([(post, np.eye(4)), *((ring, pose) for pose in poses)], -1.2, 0.5)
-    low = min(placed(ring.vertices, pose)[:, 2].min() for pose in poses)
+    low = min(transform(ring.vertices, pose)[:, 2].min() for pose in poses)
     floor = Floor(height=min(-0.5, low), grid=0.5)
     picture = Picture(camera, [*ends, *ghosts(ring, poses[:-1], 0.35)], floor=floor)
     picture.polyline(way[:, :3], GREEN, width=2, hidden=0.5)
@@ -93,7 +93,7 @@ def world(names: Names) -> Image.Image:
     marks |= {names["first"]: ORANGE, names["door"]: VERMILION}
     colors = {body.name: marks.get(body.id, STEEL) for body in bodies}
     camera = seen([(body.shape, body.pose) for body in bodies], -1.9, 0.8)
-    picture = stage(bodies, camera, colors)
+    picture = outlined_picture(bodies, camera, colors)
     picture.polyline([pose[:3, 3] for pose in names["lane"]], ORANGE, width=3, hidden=0.5)
     return picture.image()
 
@@ -118,7 +118,7 @@ def own_scenario(names: Names) -> Image.Image:
 def own_reward(names: Names) -> Image.Image:
     """The crowd in the middle that the reward is against."""
     simulator = names["simulator"]
-    painter = FleetPainter(simulator.built, width=SIZE[0], height=SIZE[1])
+    painter = ScenarioPainter(simulator.built, width=SIZE[0], height=SIZE[1])
     return Image.fromarray(painter.paint(simulator.configurations[0], simulator.goals[0]))
 
 
@@ -145,12 +145,12 @@ def warehouse_plan(names: Names) -> Image.Image:
 
 def four_arms(names: Names) -> Image.Image:
     """The arms half way."""
-    return moment(driven(names["plan"]), 0.5)
+    return moment(record_of_plan(names["plan"]), 0.5)
 
 
 def verify_plan(names: Names) -> Image.Image:
     """How near anything comes to each robot of the plan that was proved."""
-    plot(load_episode("plan.npz"), "clearance", "clearance.png")
+    plot_record(load_episode("plan.npz"), "clearance", "clearance.png")
     return Image.open("clearance.png").resize((600, 350), Image.Resampling.LANCZOS)
 
 
@@ -193,7 +193,7 @@ def main(folder: Path, only: str = "") -> None:
             with tempfile.TemporaryDirectory() as place:
                 os.chdir(place)
                 picture = draw(runpy.run_path(str(here / f"{name}.py")))
-                small(picture.convert("RGB")).save(folder / f"{name}.png", optimize=True)
+                quantize(picture.convert("RGB")).save(folder / f"{name}.png", optimize=True)
                 os.chdir(here)
             print(f"written: {folder / name}.png")
 

@@ -70,14 +70,14 @@ def bench(
     from fgenv.bench.pairs.run import bench_pairs, machine, summary
     from fgenv.bench.peers import peer, selected
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     console = Console(stderr=as_json)
     chosen(which)  # a wrong name is told before anything is printed
     names = selected(peers)
     for option, path in (("--plot", plot), ("--curves", curves)):
         if path is not None:
-            checked(path, option)
+            check_plot_path(path, option)
     versions = {name: peer(name).version for name in names}
     about = machine()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
@@ -96,7 +96,7 @@ def bench(
         console.print(ratio_table(records, overall))
     console.print(NOTE)
     if plot is not None:
-        bars.draw(of_pairs(records), "A query, poses in one batch", plot)
+        bars.plot_ratios(of_pairs(records), "A query, poses in one batch", plot)
     if curves is not None:
         plot_times(records, curves)
     if as_json:

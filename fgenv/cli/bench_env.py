@@ -32,10 +32,10 @@ def env(
     from fgenv.bench.env.run import bench_env
     from fgenv.bench.pairs.run import machine, summary
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     if plot is not None:
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     about, numbers = machine(), versions()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
@@ -50,7 +50,7 @@ def env(
             status.update(f"{kind}: {len(done[kind])} done")
     show(console, list(done)[-1], done)
     if plot is not None:
-        bars.draw(of_rates(done["rates"]), "Robot-steps in a CPU second", plot)
+        bars.plot_ratios(of_rates(done["rates"]), "Robot-steps in a CPU second", plot)
     if as_json:
         document = {
             "machine": about,

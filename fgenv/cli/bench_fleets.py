@@ -31,10 +31,10 @@ def fleets(
     from fgenv.bench.pairs.run import machine
     from fgenv.confidence import rate
     from fgenv.view.figures import interval_plot
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     if plot is not None:
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     fleets = chosen(which)
     about = machine()
@@ -54,6 +54,6 @@ def fleets(
             found: dict[str, dict[str, Any]] = {}
             for r in done:
                 found.setdefault(r["fleet"], {})[r["method"]] = rate(r["solved"], r["cases"])
-            interval_plot.draw(found, "solved, of cases", plot)
+            interval_plot.plot_shares(found, "solved, of cases", plot)
         if as_json:
             typer.echo(json.dumps({"machine": about, "cases": cases, "rows": done}, indent=1))

@@ -70,10 +70,10 @@ def planners(
     from fgenv.bench.pairs.run import machine
     from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     if plot is not None:
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     given: dict[str, Any] = {"resolution": resolution, "traps": traps, "mbm": mbm}
     given |= {
@@ -102,7 +102,7 @@ def planners(
             done.setdefault(kind, []).append(record)
     show(console, list(done)[-1], done)
     if plot is not None:
-        bars.draw(of_problems(done["problems"]), "Time to the first solution", plot)
+        bars.plot_ratios(of_problems(done["problems"]), "Time to the first solution", plot)
     if as_json:
         document = {"machine": about, "versions": versions, "settings": asdict(config), **done}
         typer.echo(json.dumps(document, indent=1))

@@ -35,10 +35,10 @@ def policies(
 
     from fgenv.bench.policies.run import chosen, run
     from fgenv.view.figures import interval_plot
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     if plot is not None:
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     trials, done = chosen(which), list[dict[str, Any]]()
     try:
@@ -64,7 +64,7 @@ def policies(
                 name = r["policy"]
                 kind = name if name.startswith("orca") else name.rpartition(":")[0]
                 found.setdefault(r["set"], {})[kind] = r["success"]
-            interval_plot.draw(found, "success, of episodes", plot)
+            interval_plot.plot_shares(found, "success, of episodes", plot)
         if as_json:
             typer.echo(json.dumps({"cases": cases, "rows": done}, indent=1))
 

@@ -29,10 +29,10 @@ def train(
     from fgenv.bench.pairs.run import machine
     from fgenv.bench.train.run import bench_train
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     if plot is not None:
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")
     console = Console(stderr=as_json, highlight=False)
     about = machine()
     console.print(f"{about['processor']}, {about['cores']} cores, {about['system']}")
@@ -46,6 +46,6 @@ def train(
     console.print(table)
     console.print("gathered: the environment and the policy's actions; learned from: all of PPO")
     if plot is not None:
-        bars.draw(of_training(records), "Samples in a CPU second", plot)
+        bars.plot_ratios(of_training(records), "Samples in a CPU second", plot)
     if as_json:
         typer.echo(json.dumps({"machine": about, "seed": seed, "rates": records}, indent=1))

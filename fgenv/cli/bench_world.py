@@ -40,11 +40,11 @@ def world(
     from fgenv.bench.world import report
     from fgenv.bench.world.run import bench_world
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import checked
+    from fgenv.view.figures.canvas import check_plot_path
 
     for option, path in (("--plot", plot), ("--curves", curves)):
         if path is not None:
-            checked(path, option)
+            check_plot_path(path, option)
     console = Console(stderr=as_json, highlight=False)
     about = machine()
     packages = ("fgenv", "python-fcl", "coal", "trimesh", "mujoco")
@@ -61,7 +61,7 @@ def world(
             status.update(f"{kind}: {len(done[kind])} done")
     show(console, list(done)[-1], done)
     if plot is not None:
-        bars.draw(of_steps(done["steps"]), "All pairs a step", plot)
+        bars.plot_ratios(of_steps(done["steps"]), "All pairs a step", plot)
     if curves is not None:
         report.plot(done, curves)
     if as_json:

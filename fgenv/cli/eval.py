@@ -81,9 +81,9 @@ def evaluate(
         csv.write_text(csv_of(result), encoding="utf-8")
         written.append(str(csv))
     if plot is not None and result.done:
-        from fgenv.view.figures.score_plot import draw
+        from fgenv.view.figures.interval_plot import plot_scores
 
-        draw(result.scores, document["name"], plot)
+        plot_scores(result.scores, document["name"], plot)
         written.append(str(plot))
     if as_json:
         typer.echo(json.dumps({**document, "written": written}, indent=1))
@@ -139,6 +139,6 @@ def writable(csv: Path | None, plot: Path | None) -> None:
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
     if plot is not None:
-        from fgenv.view.figures.canvas import checked
+        from fgenv.view.figures.canvas import check_plot_path
 
-        checked(plot, "--plot")
+        check_plot_path(plot, "--plot")

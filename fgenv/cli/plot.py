@@ -42,13 +42,13 @@ def plot(
     the steps of a training.
     """
     from fgenv.view.episodes import load_episode
-    from fgenv.view.figures.learning_curves import learning
-    from fgenv.view.figures.plots import plot as draw
+    from fgenv.view.figures.learning_curves import plot_learning_curves
+    from fgenv.view.figures.record_plots import plot_record
 
     if not out.parent.is_dir():
         raise ValueError(f"--out: {out}: there is no folder {out.parent}; make it first")
     if kind == "learning":
-        learning(record, out)
+        plot_learning_curves(record, out)
     else:
-        draw(load_episode(record), kind, out)
+        plot_record(load_episode(record), kind, out)
     typer.echo(f"written: {out}, {out.stat().st_size:,} bytes")

@@ -70,7 +70,7 @@ def render(
     """Draw a recorded episode, or a plan, as a movie or as a picture.
 
     No display and no OpenGL are needed. top looks straight down, follow keeps
-    to a robot, orbit goes around everything. Notes: trails show where robots
+    to a robot, orbit goes around everything. Annotations: trails show where robots
     have been for four seconds; collisions rings contacts and says who meets
     whom; masks colors what bears the bit of a robot, by its motion of the next
     second, with a line from that robot.
@@ -79,7 +79,7 @@ def render(
 
     from fgenv.cli.movie import MOST_FPS, draw
     from fgenv.view.episodes import load_episode
-    from fgenv.view.figures.annotations import check
+    from fgenv.view.figures.annotations import check_annotations
     from fgenv.view.figures.camera_path import CAMERAS
     from fgenv.view.figures.episode_frames import frames_of
     from fgenv.view.figures.movie import frame_seconds
@@ -90,7 +90,7 @@ def render(
     if at is not None and png is None:
         raise ValueError("--at: is of a picture, expected with --png")
     drawn = [] if notes == "none" else [note.strip() for note in notes.split(",")]
-    check(drawn)
+    check_annotations(drawn)
     width, height = pixels(size)
     for path in (p for p in (gif, mp4) if p is not None):
         frame_seconds(path, fps or MOST_FPS)

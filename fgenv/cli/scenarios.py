@@ -63,9 +63,9 @@ def scenarios(
     if save is not None:
         scenario.save(save)
     if picture is not None:
-        from fgenv.view.figures.gallery import draw
+        from fgenv.view.figures.scenario_picture import draw_scenario
 
-        draw(scenario).save(picture, optimize=True)
+        draw_scenario(scenario).save(picture, optimize=True)
     _show(name, scenario, [str(path) for path in (save, picture) if path is not None], as_json)
 
 

@@ -90,7 +90,7 @@ def watch(
         observations = simulator.reset(seed=seed if done == 0 else None)
         policy.reset(View(simulator))
         live.begin()
-        while not live.restart.is_set():
+        while not live.panel.restart.is_set():
             step = simulator.step(policy.act(observations))
             observations = step.observations
             live.show()

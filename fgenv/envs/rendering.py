@@ -34,7 +34,7 @@ class FramePainter(Protocol):
         self,
         configurations: Sequence[Floats],
         goals: Sequence[Floats],
-        here: Sequence[bool] | None = None,
+        present: Sequence[bool] | None = None,
         poses: Floats | None = None,
     ) -> Frame:
         """Return the frame (height, width, 3), sRGB, of robots at configurations."""

@@ -29,8 +29,8 @@ from fgenv.view.figures.palette import (
     Color,
 )
 from fgenv.view.figures.picture import Picture
-from fgenv.view.figures.quantize import small
-from fgenv.view.figures.scene import close_up, placed, portrait, stage
+from fgenv.view.figures.quantize import quantize
+from fgenv.view.figures.scene import close_up, outlined_picture, portrait, transform
 from fgenv.view.figures.surfaces import Solid
 
 LIFT = 0.01  # meters that lines on the floor are above it
@@ -44,7 +44,7 @@ def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in FIGURES.items():
-        small(figure(experiment)).save(target / name, optimize=True)
+        quantize(figure(experiment)).save(target / name, optimize=True)
         yield target / name
 
 
@@ -55,7 +55,7 @@ def feature_points(experiment: Experiment) -> Image.Image:
     for body in (robot, tank):
         graph = _graph(body, "loop")
         picture = _alone(body)
-        picture.points(placed(graph.points, body.pose), VERMILION, radius=2.2)
+        picture.points(transform(graph.points, body.pose), VERMILION, radius=2.2)
         panels.append(picture.image())
         counts.append(f"{len(graph.points)} of {len(body.shape.vertices)} on {body.name}")
     text = "End points of the edges that bend more than 30 degrees: " + ", ".join(counts)
@@ -88,7 +88,7 @@ def motion_box(experiment: Experiment) -> Image.Image:
     haze = Solid(hull, np.eye(4), PURPLE, opacity=0.13)
     bodies = _bodies(experiment, problem.starts[0])
     colors = {b.name: SKY if drive.during[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
-    picture = stage(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
+    picture = outlined_picture(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
     picture.segments(corners[BOX_EDGES], PURPLE, width=2, hidden=0.3)
     picture.polyline(_on_floor(drive.path), GREEN, width=2.5, hidden=0.4)
     for body in bodies:
@@ -110,7 +110,7 @@ def start_and_goal(experiment: Experiment) -> Image.Image:
         bodies = _bodies(experiment, configuration)
         passed = drives[-1] if name == "(b) goal" and len(drives) > 1 else None
         ghosts = [] if passed is None else _ghosts(problem, passed.driven, 6)
-        picture = stage(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
+        picture = outlined_picture(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
         if name == "(a) start":
             picture.polyline(_on_floor(straight), BLUE, width=2, hidden=0.4)
         else:
@@ -131,10 +131,10 @@ def collision(experiment: Experiment) -> Image.Image:
     """Figure 8: the moment of the collision, and its feature edge and face from near."""
     hit = experiment.drives[0].hit
     if hit is None:
-        picture = stage(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
+        picture = outlined_picture(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
         return captioned(picture.image(), "Figure 8. Collision", "There was no collision")
     bodies, colors = _bodies(experiment, hit.after), {hit.robot: ORANGE, hit.body: VERMILION}
-    wide = stage(bodies, _overview(*PANEL), colors)
+    wide = outlined_picture(bodies, _overview(*PANEL), colors)
     wide.polyline(_on_floor(experiment.drives[0].driven), BLUE, width=2, hidden=0.4)
     for body in bodies:
         wide.label(_above(body), body.name, size=15)
@@ -152,10 +152,10 @@ def _near(bodies: list[BodyRecord], hit: FirstContact, colors: dict[str, Color])
     solids = [Solid(b.shape, b.pose, STEEL) for b in bodies]
     point, pair = np.asarray(hit.contact.point), {b.name: b for b in bodies}
     camera = close_up(point, np.asarray(hit.contact.normal), solids, 1.1, *PANEL)
-    picture = stage(bodies, camera, colors, grid=0.25)
+    picture = outlined_picture(bodies, camera, colors, grid=0.25)
     if hit.contact.face is not None:
         body = pair[hit.body if hit.contact.edge_of == "a" else hit.robot]
-        face = placed(body.shape.vertices[body.shape.faces[hit.contact.face]], body.pose)
+        face = transform(body.shape.vertices[body.shape.faces[hit.contact.face]], body.pose)
         picture.polyline(face[[0, 1, 2, 0]], INK, width=2, hidden=0.5)
     if hit.contact.edge is not None:
         picture.segments([hit.contact.edge], BLUE, width=3, hidden=0.5)
@@ -168,9 +168,9 @@ def _alone(body: BodyRecord, ghost: bool = False) -> Picture:
     size = float(np.ptp(body.bounds, axis=0).max())
     grid = float(10.0 ** np.floor(np.log10(size)) / 4)
     if not ghost:
-        return stage([body], camera, {body.name: STEEL}, grid=grid)
+        return outlined_picture([body], camera, {body.name: STEEL}, grid=grid)
     solid = Solid(body.shape, body.pose, STEEL, opacity=0.35)
-    return stage([], camera, {}, extra=[solid], grid=grid)
+    return outlined_picture([], camera, {}, extra=[solid], grid=grid)
 
 
 def _graph(body: BodyRecord, method: str) -> FeatureGraph:
@@ -178,7 +178,7 @@ def _graph(body: BodyRecord, method: str) -> FeatureGraph:
 
 
 def _edges(graph: FeatureGraph, body: BodyRecord) -> Floats:
-    return placed(graph.points[graph.edges], body.pose)
+    return transform(graph.points[graph.edges], body.pose)
 
 
 def _end(experiment: Experiment) -> Floats:

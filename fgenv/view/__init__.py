@@ -1,9 +1,8 @@
-"""Pictures of scenes, drawn by a small ray caster: no OpenGL and no display needed."""
+"""Pictures, movies and plots of scenes and episodes, and views in a browser."""
 
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.painter import Mark, Painter
 from fgenv.view.figures.picture import Picture
-from fgenv.view.figures.shader import render
 from fgenv.view.figures.surfaces import Floor, Light, Solid
 
-__all__ = ["Camera", "Floor", "Light", "Mark", "Painter", "Picture", "Solid", "render"]
+__all__ = ["Camera", "Floor", "Light", "Mark", "Painter", "Picture", "Solid"]

@@ -1,4 +1,4 @@
-"""Who met whom in an episode, when and where."""
+"""Contacts of a recorded episode as events: bodies, time and point."""
 
 from __future__ import annotations
 
@@ -7,16 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fgenv.arrays import Ints32
 from fgenv.envs import Record
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """A robot in contact with something in one step after the other; told once of two robots.
+class ContactEvent:
+    """A robot in contact with the same body over consecutive steps.
+
+    A contact between two robots is one event, of the robot with the lower index.
 
     Attributes:
         begin, end: seconds.
-        point: of the first contact, world, meters.
+        text: names of both bodies.
+        point: of the first contact, world frame, meters.
     """
 
     robot: int
@@ -26,31 +30,31 @@ class Meeting:
     point: tuple[float, float, float]
 
 
-def meetings(record: Record) -> list[Meeting]:
-    """Who met whom, when and where, in the order of time."""
+def contact_events(record: Record) -> list[ContactEvent]:
+    """Return all contacts of a record in chronological order."""
     hits, robots, names = record["hits"], record["hit_robots"], record.about["names"]
-    found = []
+    events = []
     for i, name in enumerate(record.names):
-        for k, last in runs(hits[:, i]):
-            at, other = int(robots[k, i]), int(hits[k, i])
-            begin = k * record.dt + float(record["hit_times"][k, i])
-            if 0 <= at < i and is_met_by(record, k, at, i):
-                continue  # told of the other one
-            whom = record.names[at] if at >= 0 else names.get(str(other), f"body {other}")
-            x, y, z = record["hit_points"][k, i].tolist()
-            text = f"{name} meets {whom}"
-            found.append(Meeting(i, begin, (last + 1) * record.dt, text, (x, y, z)))
-    return sorted(found, key=lambda meeting: meeting.begin)
+        for first, last in runs(hits[:, i]):
+            other, body = int(robots[first, i]), int(hits[first, i])
+            if 0 <= other < i and begins_contact(record, first, other, i):
+                continue  # the event belongs to the other robot
+            begin = first * record.dt + float(record["hit_times"][first, i])
+            partner = record.names[other] if other >= 0 else names.get(str(body), f"body {body}")
+            x, y, z = record["hit_points"][first, i].tolist()
+            end, text = (last + 1) * record.dt, f"{name} meets {partner}"
+            events.append(ContactEvent(i, begin, end, text, (x, y, z)))
+    return sorted(events, key=lambda event: event.begin)
 
 
-def is_met_by(record: Record, step: int, robot: int, other: int) -> bool:
-    """Whether in a step a robot begins to meet another one."""
-    met = record["hit_robots"][:, robot]
-    return bool(met[step] == other and (step == 0 or met[step - 1] != other))
+def begins_contact(record: Record, step: int, robot: int, other: int) -> bool:
+    """Return whether a robot begins to touch another robot in a step."""
+    partners = record["hit_robots"][:, robot]
+    return bool(partners[step] == other and (step == 0 or partners[step - 1] != other))
 
 
-def runs(hits: np.ndarray[tuple[int, ...], np.dtype[np.int32]]) -> Iterator[tuple[int, int]]:
-    """First and last step (both met) of each stretch in which the same body was met."""
+def runs(hits: Ints32) -> Iterator[tuple[int, int]]:
+    """Yield the first and last step of each run of contacts with the same body."""
     ends = [*np.flatnonzero(np.diff(hits)).tolist(), len(hits) - 1]
     begin = 0
     for end in ends if len(hits) else []:

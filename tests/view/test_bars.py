@@ -1,4 +1,4 @@
-"""Bars of ratios and learning curves show the numbers that there are, all of them."""
+"""Bars of ratios and learning curves show all their data."""
 
 from pathlib import Path
 
@@ -18,7 +18,8 @@ TIMES = {"a": {"fcl": 4.0, "coal": 0.5}, "b": {"coal": 120.0}}
 
 def test_there_is_a_bar_for_every_ratio_and_a_line_at_one() -> None:
     axes = Figure().add_subplot()
-    bars.fill(axes, TIMES)
+    bars.draw_bars(axes, TIMES)
+    bars.style_axes(axes, TIMES)
     groups = {str(g.get_label()): [b.get_x() + b.get_width() for b in g] for g in axes.containers}
     assert groups == {"fcl": [4.0], "coal": [0.5, 120.0]}
     places = [b.get_y() for group in axes.containers for b in group]
@@ -31,20 +32,22 @@ def test_there_is_a_bar_for_every_ratio_and_a_line_at_one() -> None:
     assert low < 0.5 < 120.0 < high
 
 
-def test_what_cannot_be_drawn_says_so(tmp_path: Path) -> None:
+def test_invalid_ratios_and_paths_are_errors(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     with pytest.raises(ValueError, match="no other library took part"):
-        bars.draw({"a": {}}, "", path)
-    with pytest.raises(ValueError, match=r"times\['a'\]\['fcl'\]: nan, expected a number over 0"):
-        bars.draw({"a": {"fcl": np.nan}}, "", path)
+        bars.plot_ratios({"a": {}}, "", path)
+    with pytest.raises(
+        ValueError, match=r"ratios\['a'\]\['fcl'\]: got nan, expected a number over 0"
+    ):
+        bars.plot_ratios({"a": {"fcl": np.nan}}, "", path)
     with pytest.raises(ValueError, match=r"--plot: .*a.gif, expected a name that ends in .png"):
-        bars.draw(TIMES, "", tmp_path / "a.gif")
-    bars.draw(TIMES, "", path)
+        bars.plot_ratios(TIMES, "", tmp_path / "a.gif")
+    bars.plot_ratios(TIMES, "", path)
     with Image.open(path) as picture:
         assert np.ptp(np.asarray(picture.convert("L"))) > 100
 
 
-def test_ratios_are_of_what_was_measured() -> None:
+def test_ratios_are_those_of_the_measurements() -> None:
     peers = {"fgenv": {"batch": {"mean": 2.0}}, "fcl": {"batch": {"mean": 8.0}}}
     assert ratios.of_pairs([{"pair": "p", "peers": peers}]) == {"p": {"fcl": 4.0}}
     steps = {"fgenv": {"step": 2.0}, "coal": {"step": 1.0}, "mujoco": {"refused": "no"}}
@@ -59,7 +62,7 @@ def test_ratios_are_of_what_was_measured() -> None:
     assert found["learned from"]["SuperSuit"] == pytest.approx(2.0)
 
 
-def test_a_wrong_plot_is_refused_before_the_race(shell: Shell) -> None:
+def test_a_wrong_plot_path_is_refused_before_the_race(shell: Shell) -> None:
     for race in ("pairs", "world", "env", "planners", "train"):
         assert "ends in .png, .svg, .pdf" in shell.refuses("bench", race, "--plot", "a.gif")
     assert "there is no folder no" in shell.refuses("bench", "env", "--plot", "no/a.png")

@@ -1,4 +1,4 @@
-"""Plots of a record: what they say is what is in it."""
+"""Plots of a record show its data."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from fgenv.envs import Record, Simulator, policy_of
 pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure
 
-from fgenv.view.figures.plots import KINDS, clearances_of, mask_counts, plot
+from fgenv.view.figures.record_plots import KINDS, clearances_of, mask_counts, plot_record
 
 
 @pytest.fixture(scope="module")
@@ -41,19 +41,19 @@ def test_masks_count_candidates(record: Record) -> None:
     assert counts.shape == (len(record), 4)
     assert 0 < counts.max() < bodies
     touched = record["hits"] >= 0
-    assert (counts[touched] >= 1).all()  # what a robot meets is a candidate of it
+    assert (counts[touched] >= 1).all()  # a body in contact is a candidate
 
 
-def test_what_cannot_be_plotted_says_so(record: Record, tmp_path: Path) -> None:
+def test_records_without_the_data_are_errors(record: Record, tmp_path: Path) -> None:
     simulator = Simulator("cell", n=2, autoreset=False)
     arms = run_episode(simulator, policy_of("rest"), steps=2)
     with pytest.raises(ValueError, match="expected robots whose bases move"):
-        plot(arms, "space-time", tmp_path / "a.png")
-    plot(arms, "clearance", tmp_path / "a.png")
+        plot_record(arms, "space-time", tmp_path / "a.png")
+    plot_record(arms, "clearance", tmp_path / "a.png")
     arrays = {name: array[:0] for name, array in record.arrays.items()}
     arrays |= {name: record[name][:1] for name in ("configurations", "status")}
     with pytest.raises(ValueError, match="it has no steps"):
-        plot(replace(record, arrays=arrays), "masks", tmp_path / "a.png")
+        plot_record(replace(record, arrays=arrays), "masks", tmp_path / "a.png")
 
 
 def test_command(record: Record, shell: Shell) -> None:
@@ -65,7 +65,7 @@ def test_command(record: Record, shell: Shell) -> None:
         with Image.open("a.png") as picture:
             assert np.ptp(np.asarray(picture.convert("L"))) > 100
     for kind, path, said in (
-        ("speed", "a.png", "kind: 'speed', expected clearance, masks, space-time"),
+        ("speed", "a.png", "kind: got 'speed', expected clearance, masks, space-time"),
         ("learning", "a.png", "run.npz: expected the evaluations.csv"),
         ("masks", "a.gif", "ends in .png, .svg, .pdf"),
         ("masks", "no/a.png", "there is no folder no"),

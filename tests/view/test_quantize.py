@@ -1,10 +1,10 @@
-"""Few colors: each pixel in the nearest of them, those that were asked for among them."""
+"""Quantization: each pixel in its nearest color, with the required colors in the palette."""
 
 import numpy as np
 from PIL import Image
 
 from fgenv.view.figures.palette import TEAM
-from fgenv.view.figures.quantize import UNKNOWN, Palette, small
+from fgenv.view.figures.quantize import UNKNOWN, Palette, quantize
 
 RNG = np.random.default_rng(0)
 NOISE = Image.fromarray(RNG.integers(0, 256, (40, 60, 3), dtype=np.uint8))
@@ -23,7 +23,7 @@ def test_each_pixel_is_in_the_nearest_color() -> None:
 def test_few_colors_stay_as_they_are() -> None:
     shades = np.repeat(np.arange(0, 240, 4, dtype=np.uint8)[None, :, None], 3, axis=2)
     image = Image.fromarray(np.tile(shades, (8, 1, 1)))
-    worst = np.abs(np.asarray(small(image).convert("RGB")).astype(int) - np.asarray(image)).max()
+    worst = np.abs(np.asarray(quantize(image).convert("RGB")).astype(int) - np.asarray(image)).max()
     assert worst <= 2
 
 

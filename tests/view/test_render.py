@@ -1,4 +1,4 @@
-"""Movies and pictures of a record: cameras, notes, files."""
+"""Movies and pictures of a record: cameras, annotations, files."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,13 @@ from support.shell import Shell
 
 from fgenv.agents import run_episode
 from fgenv.envs import Record, Simulator, policy_of
-from fgenv.view.contact_events import meetings
-from fgenv.view.figures.annotations import Notes
-from fgenv.view.figures.camera_path import CAMERAS, Tripod
+from fgenv.view.contact_events import contact_events
+from fgenv.view.figures.annotations import Annotations
+from fgenv.view.figures.camera_path import CAMERAS, CameraPath
 from fgenv.view.figures.episode_frames import frames_of
-from fgenv.view.figures.fleet_painter import FleetPainter
-from fgenv.view.figures.gallery import corners_of
-from fgenv.view.mask_links import links, world_at
+from fgenv.view.figures.scenario_painter import ScenarioPainter
+from fgenv.view.figures.scenario_picture import world_corners
+from fgenv.view.mask_links import mask_links, world_at
 
 
 @pytest.fixture(scope="module")
@@ -23,73 +23,75 @@ def record() -> Record:
 
 
 @pytest.mark.parametrize("kind", CAMERAS)
-def test_a_camera_sees_what_it_is_for(record: Record, kind: str) -> None:
+def test_a_camera_sees_its_subject(record: Record, kind: str) -> None:
     built = record.scenario.build()
-    corners = corners_of(built.world())
-    tripod = Tripod(kind, built, corners, 480, 360, robot=2)
+    corners = world_corners(built.world())
+    path = CameraPath(kind, built, corners, 480, 360, robot=2)
     for step in (0, 10, 20):
         q = record["configurations"][step, 2]
-        camera = tripod.at(step * record.dt, q)
+        camera = path.at(step * record.dt, q)
         place = built.robots[2].forward(q[: built.robots[2].nq])[0, :3, 3]
         seen = place[None] if kind == "follow" else corners
         pixels, depth = camera.project(seen)
         assert (depth > 0).all()
         assert ((pixels > 0) & (pixels < (480, 360))).all()
-    assert (kind in ("follow", "orbit")) == (tripod.at(0, q) != tripod.at(1, 0 * q))
+    assert (kind in ("follow", "orbit")) == (path.at(0, q) != path.at(1, 0 * q))
 
 
 def test_notes_are_drawn_over_the_frame(record: Record) -> None:
-    first = meetings(record)[0]
+    first = contact_events(record)[0]
     step = int(np.ceil(first.begin / record.dt))
     (plain,) = frames_of(record, [step])
     for note in ("time", "trails", "collisions", "masks"):
         (noted,) = frames_of(record, [step], notes=[note])
         other = (noted != plain).any(axis=2)
         assert 20 < other.sum() < 0.2 * other.size
-    with pytest.raises(ValueError, match="note: 'who'"):
+    with pytest.raises(ValueError, match="note: got 'who'"):
         next(frames_of(record, [0], notes=["who"]))
-    with pytest.raises(ValueError, match="camera: 'low'"):
+    with pytest.raises(ValueError, match="camera: got 'low'"):
         next(frames_of(record, [0], camera="low"))
 
 
 def test_trails_are_where_robots_have_been(record: Record) -> None:
-    """And only there: no pixel changes that is not near a robot's way."""
+    """No pixel changes away from the paths of robots."""
     built, step = record.scenario.build(), 20
     (plain,), (trailed,) = (frames_of(record, [step], notes=notes) for notes in ([], ["trails"]))
     changed = np.argwhere((trailed != plain).any(axis=2))[:, ::-1] + 0.5
-    camera = Tripod("overview", built, FleetPainter(built).corners, 480, 360).at(0, built.starts[0])
-    ways = record["configurations"][:, :, :3] * (1.0, 1.0, 0.0)
-    pixels, _ = camera.project(ways.reshape(-1, 3))
+    camera = CameraPath("overview", built, ScenarioPainter(built).corners, 480, 360).at(
+        0, built.starts[0]
+    )
+    paths = record["configurations"][:, :, :3] * (1.0, 1.0, 0.0)
+    pixels, _ = camera.project(paths.reshape(-1, 3))
     far = np.linalg.norm(changed[:, None] - pixels, axis=2).min(axis=1)
     assert len(changed) > 100
     assert far.max() < 8.0
 
 
-def test_a_mask_colors_what_bears_its_bit_and_no_other(record: Record) -> None:
+def test_masks_of_one_robot_mark_only_its_candidates(record: Record) -> None:
     built, step = record.scenario.build(), 3
-    over = Notes(record, built, ["masks"], [], [1])
+    annotations = Annotations(record, built, ["masks"], [], [1])
     world = world_at(record, built, step)
-    marked = over.candidates(world, step)
+    marked = annotations.candidates(world, step)
     assert marked == set(world.candidates("robot 2").tolist())
-    for body, line in links(world, "robot 2"):
+    for body, line in mask_links(world, "robot 2"):
         low, high = world.record(body).shape.bounds
         pose = world.record(body).pose
         local = (line[1] - pose[:3, 3]) @ pose[:3, :3]
         assert ((local >= low - 1e-9) & (local <= high + 1e-9)).all()
 
 
-def test_an_overview_is_from_where_it_is_told(record: Record) -> None:
+def test_an_overview_looks_from_its_azimuth_and_elevation(record: Record) -> None:
     built = record.scenario.build()
-    corners = corners_of(built.world())
+    corners = world_corners(built.world())
     look = "overview", built, corners, 480, 360, 0
-    ahead = Tripod(*look, azimuth=0.3, elevation=0.9).at(0.0, built.starts[0]).axes[2]
+    ahead = CameraPath(*look, azimuth=0.3, elevation=0.9).at(0.0, built.starts[0]).axes[2]
     assert np.arctan2(-ahead[1], -ahead[0]) == pytest.approx(0.3)
     assert np.arcsin(-ahead[2]) == pytest.approx(0.9)
-    with pytest.raises(ValueError, match="of the camera overview, got 'orbit'"):
-        Tripod("orbit", built, corners, 480, 360, azimuth=0.3)
+    with pytest.raises(ValueError, match="got camera 'orbit', expected camera 'overview'"):
+        CameraPath("orbit", built, corners, 480, 360, azimuth=0.3)
 
 
-def test_masks_of_a_record_are_those_of_its_world(record: Record) -> None:
+def test_the_world_of_a_record_has_its_masks_and_configurations(record: Record) -> None:
     world = world_at(record, record.scenario.build(), 3)
     assert all(world.own_bit(name) for name in record.names)
     for i, name in enumerate(record.names):
@@ -122,8 +124,8 @@ def test_command(record: Record, shell: Shell) -> None:
         (("--png", "a.png", "--camera", "top", "--azimuth", "0"), "are of --camera overview"),
         ((), "nothing to write; expected --gif, --mp4 or --png"),
         (("--png", "a.jpg"), "ends in .png"),
-        (("--png", "a.png", "--camera", "low"), "--camera: 'low', expected overview, top"),
-        (("--png", "a.png", "--robot", "nobody"), "--robot: 'nobody', expected one of robot 1"),
+        (("--png", "a.png", "--camera", "low"), "--camera: got 'low', expected overview, top"),
+        (("--png", "a.png", "--robot", "nobody"), "--robot: got 'nobody', expected one of robot 1"),
         (("--png", "a.png", "--size", "8"), "expected WIDTHxHEIGHT"),
         (("--gif", "a.gif", "--at", "1"), "--at: is of a picture"),
     ):

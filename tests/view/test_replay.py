@@ -1,4 +1,4 @@
-"""A page that plays an episode: what is in it, and what a browser shows of it."""
+"""Replay pages: their data, and their behavior in a browser."""
 
 import json
 import math
@@ -15,7 +15,7 @@ import fgenv
 from fgenv.agents import run_episode
 from fgenv.collision import Shape
 from fgenv.envs import Record, Simulator, policy_of
-from fgenv.view.contact_events import meetings
+from fgenv.view.contact_events import contact_events
 from fgenv.view.episodes import load_episode
 from fgenv.view.web.meshes import mesh_of, quaternions
 from fgenv.view.web.replay import positions, write_replay
@@ -47,9 +47,9 @@ def test_a_page_is_small_and_needs_nothing_else(path: Path) -> None:
 def test_it_says_who_meets_whom(record: Record, path: Path) -> None:
     found = re.search(r"window\.FGENV=(\{.*\});", path.read_text())
     assert found
-    told = json.loads(found[1])["meetings"]
-    assert [m["text"] for m in told] == [m.text for m in meetings(record)]
-    met = {(m.text.split(" meets ")[0]) for m in meetings(record)}
+    contacts = json.loads(found[1])["contacts"]
+    assert [m["text"] for m in contacts] == [m.text for m in contact_events(record)]
+    met = {(m.text.split(" meets ")[0]) for m in contact_events(record)}
     assert met
     for i, name in enumerate(record.names):
         others = {record.names[k] for k in record["hit_robots"][:, i] if k >= 0}
@@ -99,7 +99,7 @@ def test_a_plan_is_played_as_if_driven(tmp_path: Path) -> None:
     for i, q in enumerate(plan.configurations):
         np.testing.assert_array_equal(found["configurations"][:, i, : q.shape[1]], q)
     assert (found["status"][-1] == 1).all()
-    assert meetings(found) == []
+    assert contact_events(found) == []
 
 
 def test_command(record: Record, shell: Shell) -> None:
@@ -123,8 +123,12 @@ def test_in_a_browser_it_shows_scrubs_and_jumps(record: Record, path: Path) -> N
         shown.wait(SLIDER)
         empty = shown.picture()
         shown.wait("document.querySelectorAll('.fgenv-mark').length")
-        assert shown.run("document.querySelectorAll('.fgenv-mark').length") == len(meetings(record))
-        first = math.ceil(meetings(record)[0].begin / 0.05) * 0.05  # positions are so far apart
+        assert shown.run("document.querySelectorAll('.fgenv-mark').length") == len(
+            contact_events(record)
+        )
+        first = (
+            math.ceil(contact_events(record)[0].begin / 0.05) * 0.05
+        )  # positions are so far apart
         shown.key("Home")
         shown.key("n")
         shown.wait(f"Math.abs({NOW} - {first}) < 1e-5")

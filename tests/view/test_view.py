@@ -1,11 +1,10 @@
-"""The live view: what it takes, and what a browser shows of it."""
+"""The live view: its geometry, its clock, and its page in a browser."""
 
 import copy
 import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,9 +16,29 @@ import fgenv
 from fgenv.envs import Simulator, View, policy_of
 
 pytest.importorskip("viser")
-from fgenv.view.web import drawings
+from fgenv.view.web import live as live_module
+from fgenv.view.web import overlay_geometry
 from fgenv.view.web.live import Live
 from fgenv.view.web.overlays import Overlays
+
+
+class Clock:
+    """A clock that only sleeping advances, in place of the module `time`."""
+
+    now = 0.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(live_module, "time", clock)
+    return clock
 
 
 @pytest.fixture
@@ -29,7 +48,7 @@ def live() -> Iterator[Live]:
     policy = policy_of("goto")
     policy.reset(View(simulator))
     live = Live(simulator, 0)
-    live._speed.value = "fastest"
+    live.panel._speed.value = "fastest"
     live.begin()
     for _ in range(10):
         observations = simulator.step(policy.act(observations)).observations
@@ -47,44 +66,46 @@ def test_a_port_that_is_taken_is_an_error(live: Live, shell: Shell) -> None:
 
 
 def test_candidates_are_the_worlds_own(live: Live) -> None:
-    simulator, moment = live.simulator, live.overlays.moment(0)
-    found = sum(len(moment.world.candidates(name)) for name in simulator.names)
-    ends, colors = drawings.masks(moment)
+    simulator, snapshot = live.simulator, live.overlays.snapshot(0)
+    found = sum(len(snapshot.world.candidates(name)) for name in simulator.names)
+    ends, colors = overlay_geometry.mask_lines(snapshot)
     assert ends.shape == (found, 2, 3)
     assert len(colors) == found > 0
-    boxes, _ = drawings.motion_boxes(moment)
+    boxes, _ = overlay_geometry.motion_boxes(snapshot)
     assert boxes.shape == (12 * len(simulator.names), 2, 3)
 
 
 def test_what_is_drawn_of_one_robot_is_its_part_of_what_is_drawn_of_all(live: Live) -> None:
-    simulator, every = live.simulator, live.overlays.moment(0)
+    simulator, every = live.simulator, live.overlays.snapshot(0)
     of_all, ones = [np.empty((0, 2, 3))], set[str]()
     for i, name in enumerate(simulator.names):
-        live.overlays.whose = i
-        one = live.overlays.moment(0)
+        live.overlays.robot = i
+        one = live.overlays.snapshot(0)
         found = every.world.candidates(name).tolist()
-        assert drawings.marked(one) == {every.world.record(body).name for body in found}
-        ones |= drawings.marked(one)
-        of_all.append(drawings.masks(one)[0])
-        assert len(drawings.clearances(one)[0]) == 1
-    np.testing.assert_array_equal(np.concatenate(of_all), drawings.masks(every)[0])
-    assert ones == drawings.marked(every)
+        assert overlay_geometry.masked_bodies(one) == {
+            every.world.record(body).name for body in found
+        }
+        ones |= overlay_geometry.masked_bodies(one)
+        of_all.append(overlay_geometry.mask_lines(one)[0])
+        assert len(overlay_geometry.clearance_lines(one)[0]) == 1
+    np.testing.assert_array_equal(np.concatenate(of_all), overlay_geometry.mask_lines(every)[0])
+    assert ones == overlay_geometry.masked_bodies(every)
 
 
 def test_lines_of_masks_are_over_their_robot(live: Live) -> None:
     for i, name in enumerate(live.simulator.names):
-        live.overlays.whose = i
-        moment = live.overlays.moment(0)
-        parts = [moment.world.record(part) for part in moment.world.parts(name).tolist()]
+        live.overlays.robot = i
+        snapshot = live.overlays.snapshot(0)
+        parts = [snapshot.world.record(part) for part in snapshot.world.parts(name).tolist()]
         points = [p.shape.vertices @ p.pose[:3, :3].T + p.pose[:3, 3] for p in parts]
         highest = np.concatenate(points)[:, 2].max()
-        assert (drawings.masks(moment)[0][..., 2] > highest).all()
+        assert (overlay_geometry.mask_lines(snapshot)[0][..., 2] > highest).all()
 
 
 def test_clearance_lines_are_as_long_as_the_clearances(live: Live) -> None:
     simulator = live.simulator
     world, q = simulator.world(), simulator.configurations[0]
-    ends, _ = drawings.clearances(live.overlays.moment(0))
+    ends, _ = overlay_geometry.clearance_lines(live.overlays.snapshot(0))
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     expected = [
         float(world.clearance(robot.name, row[: robot.nq]).distance)
@@ -96,7 +117,7 @@ def test_clearance_lines_are_as_long_as_the_clearances(live: Live) -> None:
 def test_rays_end_on_what_stands_there(live: Live) -> None:
     simulator = live.simulator
     world = simulator.world()
-    ends, _ = drawings.lidar_rays(live.overlays.moment(0))
+    ends, _ = overlay_geometry.lidar_rays(live.overlays.snapshot(0))
     n = len(ends) // simulator.n_robots
     for i, robot in enumerate(simulator.robots):
         mine = ends[i * n : (i + 1) * n]
@@ -108,8 +129,21 @@ def test_rays_end_on_what_stands_there(live: Live) -> None:
         np.testing.assert_allclose(np.minimum(found.distance, lidar.range), far, atol=1e-5)
 
 
+def test_at_the_fastest_speed_each_step_is_one_frame_without_delay(clock: Clock) -> None:
+    simulator = Simulator("warehouse", n=64, autoreset=False)
+    simulator.reset(seed=0)
+    live = Live(simulator, 0)
+    live.panel._speed.value = "fastest"
+    live.begin()
+    for _ in range(20):
+        live.show()
+    live.close()
+    assert live.frames == 21
+    assert clock.now == 0.0
+
+
 def test_human_mode_returns_none_and_starts_when_first_rendered(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], clock: Clock
 ) -> None:
     monkeypatch.setenv("FGENV_VIEW_PORT", "0")
     env = fgenv.parallel_env("swap", n=2, render_mode="human")
@@ -122,13 +156,8 @@ def test_human_mode_returns_none_and_starts_when_first_rendered(
     assert isinstance(live, Live)
     assert f"live view at {live.url}" in capsys.readouterr().err
     env.step({name: np.zeros(2) for name in env.agents})
-    slept: list[float] = []
-    clock = SimpleNamespace(monotonic=lambda: sum(slept), sleep=slept.append)
-    monkeypatch.setattr("fgenv.view.web.live.time", clock)
-    live._due = 0.0
     assert env.render() is None
-    assert sum(slept) == pytest.approx(env.simulator.dt)  # in real time
-    monkeypatch.undo()
+    assert clock.now == pytest.approx(env.simulator.dt)  # in real time
     other = copy.deepcopy(env)
     assert other._screen.live is None
     env.close()
@@ -150,11 +179,11 @@ def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> Non
             click(shown, name.capitalize())
             until(lambda name=name: live.overlays.on[name])
             live.refresh()
-            until(lambda: other(shown, plain) > 50)
+            until(lambda: changed(shown, plain) > 50)
             click(shown, name.capitalize())
             until(lambda name=name: not live.overlays.on[name])
             live.refresh()
-            until(lambda: other(shown, plain) < 20)
+            until(lambda: changed(shown, plain) < 20)
         assert shown.errors == []
 
 
@@ -168,7 +197,7 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
             simulator.step(np.full((1, 4, simulator.action_size), 0.2))
             live.show()
 
-    live._speed.value = "1x"
+    live.panel._speed.value = "1x"
     thread = threading.Thread(target=drive, daemon=True)
     with page() as shown:
         shown.open(live.url)
@@ -176,14 +205,14 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
         until(lambda: bool(live.server.get_clients()))
         thread.start()
         press(shown, "Pause")
-        until(lambda: not live._go.is_set())
+        until(lambda: not live.panel.running.is_set())
         time.sleep(0.5)
         held = int(simulator.steps[0])
         time.sleep(0.5)
         assert simulator.steps[0] == held
         press(shown, "Step")
         until(lambda: simulator.steps[0] == held + 1)
-        live._follow.value = simulator.names[1]
+        live.panel._follow.value = simulator.names[1]
         press(shown, "Play")
         until(lambda: simulator.steps[0] > held + 5)
         (client,) = live.server.get_clients().values()
@@ -191,12 +220,12 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
         assert np.linalg.norm(client.camera.look_at[:2] - base) < 0.3
         assert shown.errors == []
         ended.set()
-        live._go.set()
+        live.panel.running.set()
         thread.join()
 
 
-def other(shown: Page, before: NDArray[np.uint8]) -> int:
-    """How many pixels are others than before, left of the panel."""
+def changed(shown: Page, before: NDArray[np.uint8]) -> int:
+    """Number of changed pixels left of the panel."""
     change = np.abs(shown.picture().astype(int) - before).max(axis=2)
     return int((change[:, :640] > 25).sum())
 
@@ -217,9 +246,9 @@ def click(shown: Page, label: str) -> None:
     shown.run(script)
 
 
-def until(true: Callable[[], bool]) -> None:
-    """Until it is true."""
+def until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition holds."""
     end = time.monotonic() + 20
-    while not true():
+    while not condition():
         assert time.monotonic() < end
         time.sleep(0.05)

@@ -28,8 +28,11 @@ Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View
       columns_((view.width + side - 1) / side),
       rows_((view.height + side - 1) / side),
       pixels_(static_cast<size_t>(view.width) * view.height) {
-    for (size_t i = 0; i < poses.size(); ++i)
-        bodies_.push_back(place(*scene.bodies[i].shape, static_cast<int32_t>(i), poses[i], view, sun_));
+    for (size_t i = 0; i < poses.size(); ++i) {
+        const PaintedBody& body = scene.bodies[i];
+        (body.opacity < 1 ? translucent_ : bodies_)
+            .push_back(place(*body.shape, static_cast<int32_t>(i), poses[i], view, sun_));
+    }
     std::stable_sort(bodies_.begin(), bodies_.end(),
                      [](const Placed& a, const Placed& b) { return a.nearest < b.nearest; });
     for (const Mark& m : marks_) {
@@ -52,23 +55,26 @@ void Picture::aim(Bundle& bundle, const PixelBox& box) const {
     bundle.box = {{box.lo[0] - 1, box.lo[1] - 1}, {box.hi[0] + 1, box.hi[1] + 1}};
     bundle.n = 0;
     bundle.bodies.clear();
+    bundle.translucent.clear();
     bundle.marks.clear();
     for (size_t i = 0; i < bodies_.size(); ++i)
         if (overlap(bodies_[i].box, bundle.box)) bundle.bodies.push_back(static_cast<int32_t>(i));
+    for (size_t i = 0; i < translucent_.size(); ++i)
+        if (overlap(translucent_[i].box, bundle.box)) bundle.translucent.push_back(static_cast<int32_t>(i));
     for (size_t i = 0; i < marks_.size(); ++i)
         if (overlap(mark_boxes_[i], bundle.box)) bundle.marks.push_back(static_cast<int32_t>(i));
 }
 
-// add(pixel, owner, color) for each ray of the bundle, which is then empty.
+// add(pixel, surface, color) for each ray of the bundle, which is then empty.
 template <class Add>
 void Picture::trace(Bundle& bundle, const Add& add) const {
     for (int i = 0; i < bundle.n; ++i) see(bundle, bundle.ray[i], bundle.seen[i]);
     cast_shadows(bundle);
-    for (int i = 0; i < bundle.n; ++i) add(bundle.pixel[i], bundle.seen[i].owner, lit(bundle.seen[i]));
+    for (int i = 0; i < bundle.n; ++i) add(bundle.pixel[i], bundle.seen[i], lit(bundle.seen[i]));
     bundle.n = 0;
 }
 
-void Picture::look(int64_t first, int64_t last) {
+void Picture::look(int64_t first, int64_t last, double* depth) {
     Bundle bundle;
     for (int64_t tile = first; tile < last; ++tile) {
         const PixelBox box = tile_box(tile);
@@ -78,8 +84,10 @@ void Picture::look(int64_t first, int64_t last) {
                 bundle.pixel[bundle.n] = y * view_.width + x;
                 bundle.ray[bundle.n++] = ray_through(view_, x + 0.5, y + 0.5);
             }
-        trace(bundle, [&](int pixel, int32_t owner, Vec3 c) {
+        trace(bundle, [&](int pixel, const Surface& s, Vec3 c) {
+            const int32_t owner = s.front >= 0 ? s.front : s.owner;
             pixels_[pixel] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)}, owner};
+            if (depth) depth[pixel] = s.owner == sky ? HUGE_VAL : dot(view_.ahead, s.point - view_.eye);
         });
     }
 }
@@ -114,12 +122,12 @@ void Picture::refine(Bundle& bundle, int x, int y, int at, unsigned edges, const
         const int i = 2 * (k % samples) + 1 - samples, j = 2 * (k / samples) + 1 - samples;
         const unsigned toward = (i < 0 ? left : i > 0 ? right : 0) | (j < 0 ? above : j > 0 ? below : 0);
         if (!(edges & toward)) {
-            add(at, own.owner, {own.color[0], own.color[1], own.color[2]});
+            add(at, {own.color[0], own.color[1], own.color[2]});
             continue;
         }
         bundle.pixel[bundle.n] = at;
         bundle.ray[bundle.n++] = ray_through(view_, x + 0.5 + 0.5 * i / samples, y + 0.5 + 0.5 * j / samples);
-        if (bundle.n == most) trace(bundle, add);
+        if (bundle.n == most) trace(bundle, [&](int pixel, const Surface&, Vec3 c) { add(pixel, c); });
     }
 }
 
@@ -132,7 +140,7 @@ void Picture::finish(int64_t first, int64_t last, uint8_t* out) const {
         const int x0 = static_cast<int>(box.lo[0]), y0 = static_cast<int>(box.lo[1]);
         Vec3 sum[most] = {};
         bool fine[most] = {}, aimed = false;
-        const auto add = [&](int at, int32_t, Vec3 c) { sum[at] = sum[at] + share * c; };
+        const auto add = [&](int at, Vec3 c) { sum[at] = sum[at] + share * c; };
         for (int y = y0; y < box.hi[1]; ++y)
             for (int x = x0; x < box.hi[0]; ++x) {
                 const unsigned sides = antialiasing_.samples > 1 ? edges(x, y) : 0;
@@ -143,7 +151,7 @@ void Picture::finish(int64_t first, int64_t last, uint8_t* out) const {
                 fine[at] = true;
                 refine(bundle, x, y, at, sides, add);
             }
-        if (aimed) trace(bundle, add);
+        if (aimed) trace(bundle, [&](int at, const Surface&, Vec3 c) { add(at, c); });
         for (int y = y0; y < box.hi[1]; ++y)
             for (int x = x0; x < box.hi[0]; ++x) {
                 const size_t pixel = static_cast<size_t>(y) * view_.width + x;

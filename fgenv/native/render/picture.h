@@ -1,5 +1,5 @@
 // A picture of bodies by the ray kernel: Lambert surfaces under a sun with hard shadows and a sky, on a
-// floor with a grid. The look is that of fgenv/view/shader.py, which says more and is slow.
+// floor with a grid. tests/oracles/shader.py renders the same scene in NumPy.
 #pragma once
 
 #include <memory>
@@ -17,6 +17,7 @@ struct PaintedBody {
     std::shared_ptr<const Shape> shape;
     std::shared_ptr<const NormalMaps> maps;  // null: flat faces
     Vec3 color;                              // linear, as all colors here
+    double opacity = 1;                      // below 1: translucent, unshaded and without a shadow
 };
 
 struct Lighting {
@@ -47,14 +48,15 @@ struct Antialiasing {
     double contrast;  // of linear color between neighbors: more is an edge
 };
 
-// One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread.
+// One picture. First `look` at every tile, then `finish` every tile: in any order, on any thread. `look`
+// writes the depth ahead of each pixel (meters; infinite for the sky) unless `depth` is null.
 class Picture {
 public:
     Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view, const std::optional<Ground>& ground,
             std::vector<Mark> marks, Antialiasing antialiasing);
 
     int64_t tiles() const { return static_cast<int64_t>(columns_) * rows_; }
-    void look(int64_t first, int64_t last);
+    void look(int64_t first, int64_t last, double* depth);
     void finish(int64_t first, int64_t last, uint8_t* out) const;  // out (height, width, 3)
 
 private:
@@ -71,10 +73,14 @@ private:
         Vec3 point, normal, albedo, sky;
         double solid;  // 0: the sky alone, 1: the surface alone
         double sunny;
+        int32_t front = -1;        // nearest translucent body before the surface
+        double transmittance = 1;  // of the translucent bodies before the surface
+        Vec3 veil = {0, 0, 0};     // light that these bodies add
     };
     struct Bundle {  // rays through one tile and what they may meet
         PixelBox box;
-        std::vector<int32_t> bodies, marks, casters;  // bodies by their nearest depth
+        std::vector<int32_t> bodies, translucent, marks, casters;  // bodies by their nearest depth
+        std::vector<Sight> layers;                                 // scratch of one ray
         int n = 0;
         int pixel[most];
         Vec3 ray[most];
@@ -90,7 +96,8 @@ private:
     template <class Add>
     void refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const;
 
-    void see(const Bundle& bundle, Vec3 ray, Surface& out) const;
+    void see(Bundle& bundle, Vec3 ray, Surface& out) const;
+    void composite(Bundle& bundle, Vec3 ray, double distance, Surface& out) const;
     void see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface& out) const;
     void see_ground(const Bundle& bundle, double distance, double slant, Vec3 ray, Surface& out) const;
     Vec3 ground_albedo(const Bundle& bundle, Vec3 point, Vec3 ray, double slant, double width) const;
@@ -102,7 +109,7 @@ private:
     SunFrame sun_;
     bool has_ground_;
     Ground ground_;
-    std::vector<Placed> bodies_;  // nearest first
+    std::vector<Placed> bodies_, translucent_;  // nearest first
     std::vector<Mark> marks_;
     std::vector<PixelBox> mark_boxes_;
     Antialiasing antialiasing_;

@@ -1,4 +1,6 @@
 // What the rays of a picture see, and the light on it.
+#include <algorithm>
+
 #include "render/picture.h"
 
 namespace fgenv {
@@ -17,9 +19,9 @@ double rounded(double x) {
 
 }  // namespace
 
-void Picture::see(const Bundle& bundle, Vec3 ray, Surface& out) const {
+void Picture::see(Bundle& bundle, Vec3 ray, Surface& out) const {
+    out = {};
     out.owner = sky;
-    out.solid = 0;
     const double high = lesser(greater(ray.z, 0), 1);
     out.sky = mixed(scene_.light.horizon, scene_.light.zenith, fifth_root(high * high * high));
     Sight sight;
@@ -30,10 +32,36 @@ void Picture::see(const Bundle& bundle, Vec3 ray, Surface& out) const {
     }
     if (has_ground_ && ray.z != 0) {
         const double slant = 1 / ray.z, distance = (ground_.height - view_.eye.z) * slant;
-        if (distance > 0 && distance < lesser(sight.distance, 4 * ground_.fade))
-            return see_ground(bundle, distance, slant, ray, out);
+        if (distance > 0 && distance < lesser(sight.distance, 4 * ground_.fade)) {
+            see_ground(bundle, distance, slant, ray, out);
+            sight = {distance, -1, -1};
+        }
     }
     if (sight.body >= 0) see_body(bodies_[sight.body], sight, ray, out);
+    if (!bundle.translucent.empty()) composite(bundle, ray, sight.distance, out);
+}
+
+// Blends the translucent bodies before a distance over the surface, the farthest first (the "over"
+// operator of Porter and Duff 1984).
+void Picture::composite(Bundle& bundle, Vec3 ray, double distance, Surface& out) const {
+    bundle.layers.clear();
+    for (int32_t index : bundle.translucent) {
+        Sight sight;
+        sight.distance = distance;
+        look_at(translucent_[index], index, ray, sight);
+        if (sight.body >= 0) bundle.layers.push_back(sight);
+    }
+    std::stable_sort(bundle.layers.begin(), bundle.layers.end(),
+                     [](const Sight& a, const Sight& b) { return a.distance > b.distance; });
+    for (const Sight& layer : bundle.layers) {
+        Surface body{};
+        see_body(translucent_[layer.body], layer, ray, body);
+        body.sunny = greater(dot(body.normal, sun_.to), 0);
+        const double opacity = scene_.bodies[body.owner].opacity;
+        out.veil = mixed(out.veil, lit(body), opacity);
+        out.transmittance *= 1 - opacity;
+        out.front = body.owner;
+    }
 }
 
 void Picture::see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface& out) const {
@@ -122,11 +150,12 @@ void Picture::cast_shadows(Bundle& bundle) const {
 }
 
 Vec3 Picture::lit(const Surface& s) const {
-    if (s.solid == 0) return s.sky;
+    const auto veiled = [&](Vec3 c) { return s.transmittance * c + s.veil; };
+    if (s.solid == 0) return veiled(s.sky);
     const Lighting& light = scene_.light;
     const double sun = light.strength * s.sunny;
     const Vec3 all = mixed(light.below, light.above, 0.5 + 0.5 * s.normal.z) + Vec3{sun, sun, sun};
-    return mixed(s.sky, product(s.albedo, all), s.solid);
+    return veiled(mixed(s.sky, product(s.albedo, all), s.solid));
 }
 
 }  // namespace fgenv

@@ -1,1 +1,1 @@
-"""Pictures, movies and plots, drawn without a display."""
+"""Pictures, movies and plots, without a display."""

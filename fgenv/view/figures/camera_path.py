@@ -1,4 +1,4 @@
-"""Cameras for episodes: still, from above, after a robot, or around everything."""
+"""Cameras over the time of an episode: still, from above, following a robot, or orbiting."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from fgenv.scenarios import Built
 from fgenv.view.figures.camera import AZIMUTH, ELEVATION, FOV, Camera, direction, overview
 
 CAMERAS = ("overview", "top", "follow", "orbit")
-UPRIGHT = np.pi / 2 - 1e-3  # rad: straight down would leave open which way is up
+MAX_ELEVATION = np.pi / 2 - 1e-3  # rad; straight down leaves the up direction undefined
 SOUTH = -np.pi / 2
-HIGH, REACHES, LEAST = 1.0, 15.0, 2.0  # of who follows: elevation, reaches away, meters at least
-TURN = 12.0  # seconds around everything
+# Camera that follows: direction (rad), distance per reach of the robot, minimum distance (m)
+FOLLOW_AZIMUTH, FOLLOW_ELEVATION, REACHES, MIN_DISTANCE = SOUTH + 0.4, 1.0, 15.0, 2.0
+ORBIT_ELEVATION, ORBIT_PERIOD = 0.7, 12.0  # rad, seconds
 
 
-class Tripod:
-    """A camera of a kind, for each moment.
+class CameraPath:
+    """A camera of a kind, as a function of time.
 
     Args:
-        corners: (n, 3), meters, of what is to be seen.
-        robot: which one is followed.
-        azimuth, elevation: rad, of where an overview is from; else its own.
+        kind: one of `CAMERAS`.
+        corners: (n, 3), meters, of the region to show.
+        robot: the robot that `follow` follows.
+        azimuth, elevation: rad, direction of an `overview`; its defaults if left out.
     """
 
     def __init__(
@@ -38,36 +40,45 @@ class Tripod:
         azimuth: float | None = None,
         elevation: float | None = None,
     ) -> None:
-        if kind not in CAMERAS:
-            raise ValueError(f"camera: got {kind!r}, expected {', '.join(CAMERAS)}")
-        if kind != "overview" and (azimuth, elevation) != (None, None):
-            raise ValueError(f"azimuth, elevation: of the camera overview, got {kind!r}")
-        if elevation is not None and not 0.0 < elevation <= UPRIGHT:
-            raise ValueError(f"elevation: got {elevation}, expected over 0, to {UPRIGHT:.4f} rad")
+        _check(kind, azimuth, elevation)
         self.kind, self.robot, self._model = kind, robot, built.robots[robot]
-        size = width, height
-        look = AZIMUTH if azimuth is None else azimuth
-        self._still = overview(corners, *size, look, ELEVATION if elevation is None else elevation)
+        look = (
+            AZIMUTH if azimuth is None else azimuth,
+            ELEVATION if elevation is None else elevation,
+        )
         if kind == "top":
-            self._still = overview(corners, *size, SOUTH, UPRIGHT)
+            look = SOUTH, MAX_ELEVATION
+        self._still = overview(corners, width, height, *look)
         if kind == "orbit":
-            every = [overview(corners, *size, a) for a in np.linspace(0, 2 * np.pi, 12)]
-            self._far = max(float(np.linalg.norm(np.subtract(c.eye, c.target))) for c in every)
-            self._middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+            around = [overview(corners, width, height, a) for a in np.linspace(0, 2 * np.pi, 12)]
+            self._distance = max(
+                float(np.linalg.norm(np.subtract(c.eye, c.target))) for c in around
+            )
+            self._center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if kind == "follow":
-            self._far = max(LEAST, REACHES * reaches(self._model)[self._model.root])
+            self._distance = max(MIN_DISTANCE, REACHES * reaches(self._model)[self._model.root])
 
     def at(self, seconds: float, q: Floats) -> Camera:
-        """The camera then; `q` is the followed robot's configuration, (nq,) or longer."""
+        """Return the camera at a time; `q`: configuration of the followed robot."""
         if self.kind == "orbit":
-            angle = SOUTH + 2 * np.pi * seconds / TURN
-            return self._from(self._middle, direction(angle, 0.7))
+            angle = SOUTH + 2 * np.pi * seconds / ORBIT_PERIOD
+            return self._look_at(self._center, direction(angle, ORBIT_ELEVATION))
         if self.kind == "follow":
-            place = self._model.forward(q[: self._model.nq], self._model.root)[:3, 3]
-            return self._from(place, direction(SOUTH + 0.4, HIGH))
+            base = self._model.forward(q[: self._model.nq], self._model.root)[:3, 3]
+            return self._look_at(base, direction(FOLLOW_AZIMUTH, FOLLOW_ELEVATION))
         return self._still
 
-    def _from(self, target: Floats, way: Floats) -> Camera:
+    def _look_at(self, target: Floats, toward: Floats) -> Camera:
         x, y, z = target.tolist()
-        a, b, c = (target + self._far * way).tolist()
+        a, b, c = (target + self._distance * toward).tolist()
         return replace(self._still, eye=(a, b, c), target=(x, y, z), fov=FOV)
+
+
+def _check(kind: str, azimuth: float | None, elevation: float | None) -> None:
+    if kind not in CAMERAS:
+        raise ValueError(f"camera: got {kind!r}, expected {', '.join(CAMERAS)}")
+    if kind != "overview" and (azimuth, elevation) != (None, None):
+        raise ValueError(f"azimuth, elevation: got camera {kind!r}, expected camera 'overview'")
+    if elevation is not None and not 0.0 < elevation <= MAX_ELEVATION:
+        expected = f"over 0, at most {MAX_ELEVATION:.4f} rad"
+        raise ValueError(f"elevation: got {elevation}, expected {expected}")

@@ -1,4 +1,4 @@
-"""What all plots by Matplotlib share: formats, a figure without a display, the file."""
+"""Matplotlib figures without a display: creation, target paths, files."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
 
-def checked(path: str | Path, option: str = "plot") -> Path:
-    """The path of a plot to write; ValueError where its format or its folder is none."""
+def check_plot_path(path: str | Path, option: str = "plot") -> Path:
+    """Return the path of a plot to write; raise ValueError if its suffix or folder is wrong."""
     path = Path(path)
     if path.suffix not in SUFFIXES:
-        raise ValueError(
-            f"{option}: got {path}, expected a name that ends in {', '.join(SUFFIXES)}"
-        )
+        expected = f"a name that ends in {', '.join(SUFFIXES)}"
+        raise ValueError(f"{option}: got {path}, expected {expected}")
     if not path.parent.is_dir():
         raise ValueError(f"{option}: {path}: there is no folder {path.parent}; make it first")
     return path
 
 
-def blank(width: float, height: float) -> Figure:
-    """A figure of that size in inches, which needs no display."""
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in inches, without a display."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -33,6 +33,11 @@ def blank(width: float, height: float) -> Figure:
     return figure
 
 
-def write(figure: Figure, path: Path) -> None:
-    """To a file, the same bytes whenever it is written."""
+def legend_beside(axes: Axes) -> None:
+    """Add a legend at the right of the plot."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure to a file, with the same bytes at any time."""
     figure.savefig(path, dpi=150, metadata={} if path.suffix == ".png" else {"Date": None})

@@ -1,4 +1,4 @@
-"""Pictures side by side, with captions, as a page of a paper has them."""
+"""Pictures side by side with captions, as on a page of a paper."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ INK, PAPER, GAP = (38, 48, 58), (255, 255, 255), 12
 
 
 def beside(pictures: Sequence[Image.Image]) -> Image.Image:
-    """Pictures of one height in a row, with a white gap between them."""
+    """Return pictures of one height in a row, with white gaps."""
     width = sum(p.width for p in pictures) + GAP * (len(pictures) - 1)
     row = Image.new("RGB", (width, pictures[0].height), PAPER)
     left = 0
@@ -19,7 +19,7 @@ def beside(pictures: Sequence[Image.Image]) -> Image.Image:
 
 
 def captioned(picture: Image.Image, title: str, text: str) -> Image.Image:
-    """The picture with a title and one line of text under it."""
+    """Return the picture above a title and one line of text."""
     page = Image.new("RGB", (picture.width, picture.height + 64), PAPER)
     page.paste(picture, (0, 0))
     draw = ImageDraw.Draw(page)

@@ -1,14 +1,14 @@
-"""Learning curves: what a training wrote into its evaluations.csv."""
+"""Learning curves from the evaluations.csv of a training."""
 
 from __future__ import annotations
 
 import csv
 from pathlib import Path
 
-from fgenv.view.figures.canvas import blank, checked, write
+from fgenv.view.figures.canvas import check_plot_path, legend_beside, new_figure, save_figure
 from fgenv.view.figures.palette import BLUE, GREEN, VERMILION
 
-SHOWN = {  # column: label, color, line
+CURVES = {  # column: label, color, line
     "success": ("success, of episodes", BLUE, "-"),
     "robot_success": ("success, of robots", GREEN, "--"),
     "collision": ("ran into something, of robots", VERMILION, ":"),
@@ -16,17 +16,17 @@ SHOWN = {  # column: label, color, line
 
 
 def evaluations(path: str | Path) -> dict[str, list[float]]:
-    """The columns of an evaluations.csv.
+    """Return the columns of an evaluations.csv.
 
     Raises:
-        ValueError: it is none, or has no rows yet.
+        ValueError: the file is of another kind, or has no rows yet.
     """
     with Path(path).open(newline="", encoding="utf-8", errors="replace") as file:
         reader = csv.DictReader(file)
-        if not {"steps", *SHOWN} <= set(reader.fieldnames or ()):
+        if not {"steps", *CURVES} <= set(reader.fieldnames or ()):
             raise ValueError(f"{path}: expected the evaluations.csv that fgenv train writes")
         try:
-            rows = [{name: float(row[name]) for name in ("steps", *SHOWN)} for row in reader]
+            rows = [{name: float(row[name]) for name in ("steps", *CURVES)} for row in reader]
         except (TypeError, ValueError):
             raise ValueError(f"{path}: line {reader.line_num} is not of numbers") from None
     if not rows:
@@ -34,15 +34,15 @@ def evaluations(path: str | Path) -> dict[str, list[float]]:
     return {name: [row[name] for row in rows] for name in rows[0]}
 
 
-def learning(source: str | Path, path: str | Path) -> None:
-    """Draw the shares of success and collisions over the steps of robots so far."""
-    path, found = checked(path), evaluations(source)
-    figure = blank(7.2, 4.2)
+def plot_learning_curves(source: str | Path, path: str | Path) -> None:
+    """Plot the shares of success and collisions over the robot steps of a training."""
+    path, columns = check_plot_path(path), evaluations(source)
+    figure = new_figure(7.2, 4.2)
     axes = figure.add_subplot()
-    for name, (label, color, line) in SHOWN.items():
-        axes.plot(found["steps"], found[name], line, color=color, marker="o", ms=4, label=label)
+    for name, (label, color, line) in CURVES.items():
+        axes.plot(columns["steps"], columns[name], line, color=color, marker="o", ms=4, label=label)
     axes.set(xlabel="steps of robots", ylabel="share", ylim=(-0.02, 1.02))
     axes.grid(color="0.92")
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    write(figure, path)
+    legend_beside(axes)
+    save_figure(figure, path)

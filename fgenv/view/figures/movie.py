@@ -1,4 +1,4 @@
-"""Movies from frames: GIF by Pillow, MP4 (H.264) by the encoder of imageio-ffmpeg."""
+"""Movies from frames: GIF with Pillow, MP4 (H.264) with the encoder of imageio-ffmpeg."""
 
 from __future__ import annotations
 
@@ -18,51 +18,51 @@ from fgenv.view.figures.quantize import Palette
 
 Frame = NDArray[np.uint8]  # (height, width, 3), rows from the top
 SUFFIXES = (".gif", ".mp4")
-LEAST_DELAY = 0.02  # seconds between two frames of a GIF, which counts in hundredths
+MIN_DELAY = 0.02  # seconds between two frames of a GIF
 
 
 def frame_seconds(path: str | Path, fps: float) -> float:
-    """Seconds that each frame is shown for, as near to 1 / fps as the format can.
+    """Return the duration of a frame in seconds, as near to 1 / fps as the format allows.
 
     Raises:
-        ValueError: the name ends in no known format, or fps is not over 0.
+        ValueError: an unknown format, or fps out of range.
         ImportError: an encoder is missing, with the remedy.
     """
-    check(Path(path))
+    check_format(Path(path))
     if not 0 < fps <= 1000:
-        raise ValueError(f"fps: got {fps!r}, expected frames per second, over 0, to 1000")
+        raise ValueError(f"fps: got {fps!r}, expected frames per second, over 0, at most 1000")
     if Path(path).suffix == ".gif":
-        return max(LEAST_DELAY, round(100 / fps) / 100)
+        return max(MIN_DELAY, round(100 / fps) / 100)
     return 1 / fps
 
 
 def write_movie(path: str | Path, frames: Iterable[Frame], fps: float = 10.0) -> int:
-    """Write a movie; returns the number of frames. Frames are taken one by one, when needed.
+    """Write a movie and return the number of frames. Frames are consumed one by one.
 
     Args:
-        path: its name ends in .gif or .mp4. What is there is replaced when all is written.
-        frames: (height, width, 3) bytes, all of one size; even sizes for MP4.
-        fps: frames per second; a GIF counts in hundredths of a second.
+        path: file that ends in .gif or .mp4; it is replaced once the movie is complete.
+        frames: (height, width, 3) bytes, all of one size; an even size for MP4.
+        fps: frames per second; delays of a GIF are multiples of 0.01 s.
 
     Raises:
-        ValueError: other names, no frames, or frames of other sizes.
+        ValueError: another suffix, no frames, or frames of different sizes.
         ImportError: an encoder is missing, with the remedy.
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
-    path, counted = Path(path), itertools.count()
+    path, count = Path(path), itertools.count()
     seconds = frame_seconds(path, fps)
-    every = checked(frames, counted, even=path.suffix == ".mp4")
-    half = path.with_name(f".{path.stem}.part{path.suffix}")
+    checked = checked_frames(frames, count, even=path.suffix == ".mp4")
+    partial = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
-        (write_gif if path.suffix == ".gif" else write_mp4)(half, every, seconds)
-        os.replace(half, path)
+        (write_gif if path.suffix == ".gif" else write_mp4)(partial, checked, seconds)
+        os.replace(partial, path)
     finally:
-        half.unlink(missing_ok=True)
-    return next(counted)
+        partial.unlink(missing_ok=True)
+    return next(count)
 
 
-def check(path: Path) -> None:
-    """See `frame_seconds`."""
+def check_format(path: Path) -> None:
+    """Raise the errors of `frame_seconds` that concern the path."""
     if path.suffix not in SUFFIXES:
         raise ValueError(f"movie: got {path}, expected a name that ends in {' or '.join(SUFFIXES)}")
     if path.suffix == ".mp4":
@@ -70,36 +70,38 @@ def check(path: Path) -> None:
 
 
 def encoder() -> Any:
-    """The module that writes MP4."""
+    """Return the module that writes MP4."""
     try:
         import imageio_ffmpeg
     except ImportError:
-        remedy = "pip install 'fgenv[view]', or take a name that ends in .gif"
-        raise ImportError(f"MP4 wants imageio-ffmpeg; remedy: {remedy}") from None
+        remedy = "pip install 'fgenv[view]', or use a name that ends in .gif"
+        raise ImportError(f"MP4 needs imageio-ffmpeg; remedy: {remedy}") from None
     return imageio_ffmpeg
 
 
-def checked(frames: Iterable[Frame], counted: Iterator[int], even: bool) -> Iterator[Frame]:
-    """The frames, each looked at."""
+def checked_frames(frames: Iterable[Frame], count: Iterator[int], even: bool) -> Iterator[Frame]:
+    """Yield the frames once each is checked, and count them."""
     shape: tuple[int, ...] = ()
     for frame in frames:
         wrong = frame.ndim != 3 or frame.shape[2] != 3 or frame.dtype != np.uint8
         if wrong or (shape and frame.shape != shape):
             expected = str(shape) if shape else "(height, width, 3)"
-            raise ValueError(f"frame: {frame.dtype} {frame.shape}, expected uint8 {expected}")
+            got = f"{frame.dtype} {frame.shape}"
+            raise ValueError(f"frame: got {got}, expected uint8 {expected}")
         shape = frame.shape
         if even and (shape[0] % 2 or shape[1] % 2):
-            raise ValueError(f"frame: {shape[1]} x {shape[0]} pixels, MP4 wants even numbers")
-        next(counted)
+            size = f"{shape[1]} x {shape[0]} pixels"
+            raise ValueError(f"frame: got {size}, expected even numbers for MP4")
+        next(count)
         yield frame
     if not shape:
-        raise ValueError("frames: there are none")
+        raise ValueError("frames: got none, expected one or more")
 
 
 def write_gif(path: Path, frames: Iterator[Frame], seconds: float) -> None:
-    """In the colors of the first frame and of robots, so that what stands still does not flicker.
+    """Write a GIF with one palette, of the first frame and the robots, so that nothing flickers.
 
-    One color is left for what is as it was in the frame before, which makes the file small.
+    One color is reserved for pixels that did not change, which makes the file small.
     """
     begin = Image.fromarray(next(frames))
     palette = Palette(begin, TEAM)
@@ -110,7 +112,7 @@ def write_gif(path: Path, frames: Iterator[Frame], seconds: float) -> None:
 
 
 def write_mp4(path: Path, frames: Iterator[Frame], seconds: float) -> None:
-    """H.264 that browsers play."""
+    """Write H.264 that browsers play."""
     first = next(frames)
     size = first.shape[1], first.shape[0]
     writer = encoder().write_frames(

@@ -1,15 +1,17 @@
-"""Normals for shading: round where a surface is round, sharp at its edges."""
+"""Shading normals: smooth across edges that bend little, sharp at the others."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.arrays import Floats
 
+SMOOTH = 0.6  # rad: edges that bend less are shaded smoothly
+
 
 def normal_maps(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> Floats:
-    """For each face a matrix (m, 3, 4): times (x, y, z, 1) of a point on it, the normal there.
+    """Return a matrix (m, 3, 4) per face; its product with (x, y, z, 1) is the normal there.
 
-    The normal, not of unit length, runs linearly between those of `corner_normals`.
+    The normal is interpolated linearly between those of `corner_normals`, without unit length.
     """
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -26,18 +28,18 @@ def normal_maps(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> 
 
 
 def corner_normals(vertices: Floats, faces: NDArray[np.integer], smooth: float) -> Floats:
-    """A unit normal for each corner of each face, (m, 3, 3).
+    """Return a unit normal for each corner of each face, (m, 3, 3).
 
-    It is the mean, by area, of the faces at that vertex that bend less than `smooth` (rad) from
-    the corner's own face.
+    It is the area-weighted mean over the faces at that vertex that bend less than `smooth` (rad)
+    from the corner's own face.
     """
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     weighted = np.cross(b - a, c - a)
     unit = weighted / np.maximum(np.linalg.norm(weighted, axis=1, keepdims=True), 1e-300)
-    here, there = _corners_that_share_a_vertex(faces.ravel())
-    close = np.einsum("ni,ni->n", unit[here // 3], unit[there // 3]) > np.cos(smooth)
+    corner, neighbor = _corners_that_share_a_vertex(faces.ravel())
+    close = np.einsum("ni,ni->n", unit[corner // 3], unit[neighbor // 3]) > np.cos(smooth)
     total = np.zeros((faces.size, 3))
-    np.add.at(total, here[close], weighted[there[close] // 3])
+    np.add.at(total, corner[close], weighted[neighbor[close] // 3])
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.asarray((total / np.maximum(length, 1e-300)).reshape(-1, 3, 3))
 
@@ -45,11 +47,11 @@ def corner_normals(vertices: Floats, faces: NDArray[np.integer], smooth: float) 
 def _corners_that_share_a_vertex(
     vertex: NDArray[np.integer],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All ordered pairs (here, there) of corners at one vertex, a corner with itself included."""
+    """Return all ordered pairs of corners at one vertex, each corner with itself included."""
     order = np.argsort(vertex, kind="stable")
     _, first, count = np.unique(vertex[order], return_index=True, return_counts=True)
-    many = np.repeat(count, count)  # for each corner in order: how many share its vertex
-    here = np.repeat(order, many)
-    begin = np.repeat(np.repeat(first, count), many)
-    run = np.arange(len(here)) - np.repeat(np.cumsum(many) - many, many)
-    return here, order[begin + run]
+    degree = np.repeat(count, count)  # for each corner in order: corners at its vertex
+    corner = np.repeat(order, degree)
+    begin = np.repeat(np.repeat(first, count), degree)
+    offset = np.arange(len(corner)) - np.repeat(np.cumsum(degree) - degree, degree)
+    return corner, order[begin + offset]

@@ -1,1 +1,1 @@
-"""Scenes in a browser, by viser (extra `view`): pages that play an episode, and a live view."""
+"""Scenes in a browser, with viser (extra `view`): replay pages and a live view."""

@@ -1,4 +1,4 @@
-"""Lines and dots in a viser scene that are drawn anew again and again."""
+"""Lines and points in a viser scene that are redrawn after each step."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fgenv.arrays import Floats
+from fgenv.arrays import Floats, Floats32
 from fgenv.view.figures.palette import Color
 
 from .meshes import line_rgb, rgb
@@ -16,59 +17,51 @@ if TYPE_CHECKING:
     from viser import LineSegmentsHandle, PointCloudHandle, SceneApi
 
 
-class Lines:
-    """Segments, so many pixels wide."""
+class LineSet:
+    """Segments of a width in pixels."""
 
     def __init__(self, scene: SceneApi, name: str, width: float) -> None:
         self._scene, self._name, self._width = scene, name, width
-        self._handle: LineSegmentsHandle | None = None
-
-    def draw(self, ends: Floats, colors: Sequence[Color]) -> None:
-        """In place of what was there: segments (n, 2, 3), a color each."""
-        if not len(ends):
-            self.wipe()
-            return
-        inks = np.repeat(line_rgb(colors)[:, None], 2, axis=1)
-        points = np.asarray(ends, dtype=np.float32)
-        if self._handle is None:
-            self._handle = self._scene.add_line_segments(
-                self._name, points, inks, thickness=self._width, thickness_units="screen"
-            )
-            return
-        self._handle.points = points
-        self._handle.colors = inks
-
-    def wipe(self) -> None:
-        """Nothing is there."""
-        if self._handle is not None:
-            self._handle.remove()
-        self._handle = None
-
-
-class Dots:
-    """Points, `size` meters wide."""
-
-    def __init__(self, scene: SceneApi, name: str, size: float) -> None:
-        self._scene, self._name, self._size = scene, name, size
-        self._handle: PointCloudHandle | None = None
+        self._handle: LineSegmentsHandle | PointCloudHandle | None = None
 
     def draw(self, points: Floats, colors: Sequence[Color]) -> None:
-        """In place of what was there: points (n, 3), a color each."""
+        """Replace the drawing by segments (n, 2, 3), or points (n, 3), with a color each."""
         if not len(points):
-            self.wipe()
+            self.clear()
             return
-        inks = np.array([rgb(color) for color in colors], dtype=np.uint8)
-        places = np.asarray(points, dtype=np.float32)
+        vertices, inks = np.asarray(points, dtype=np.float32), self._inks(colors)
         if self._handle is None:
-            self._handle = self._scene.add_point_cloud(
-                self._name, places, inks, point_size=self._size, point_shape="circle"
-            )
+            self._handle = self._add(vertices, inks)
             return
-        self._handle.points = places
+        self._handle.points = vertices
         self._handle.colors = inks
 
-    def wipe(self) -> None:
-        """Nothing is there."""
+    def clear(self) -> None:
+        """Remove the drawing."""
         if self._handle is not None:
             self._handle.remove()
         self._handle = None
+
+    def _inks(self, colors: Sequence[Color]) -> NDArray[np.uint8]:
+        return np.repeat(line_rgb(colors)[:, None], 2, axis=1)
+
+    def _add(
+        self, ends: Floats32, inks: NDArray[np.uint8]
+    ) -> LineSegmentsHandle | PointCloudHandle:
+        return self._scene.add_line_segments(
+            self._name, ends, inks, thickness=self._width, thickness_units="screen"
+        )
+
+
+class PointSet(LineSet):
+    """Points of a width in meters."""
+
+    def _inks(self, colors: Sequence[Color]) -> NDArray[np.uint8]:
+        return np.array([rgb(color) for color in colors], dtype=np.uint8)
+
+    def _add(
+        self, points: Floats32, inks: NDArray[np.uint8]
+    ) -> LineSegmentsHandle | PointCloudHandle:
+        return self._scene.add_point_cloud(
+            self._name, points, inks, point_size=self._width, point_shape="circle"
+        )

@@ -1,8 +1,7 @@
-"""A live view of a simulator's world in the browser, with a panel of what to show."""
+"""A live view of a simulator's world in the browser."""
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import TYPE_CHECKING
 
@@ -10,36 +9,37 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.envs import Simulator
+from fgenv.envs.state_readers import GONE, MOVING
 
 from .overlays import Overlays
-from .scenery import Scenery
+from .panel import Panel
+from .scene import ScenarioScene
 from .server import PORT, serve, stop
 
 if TYPE_CHECKING:
     import viser
 
-GONE = 2  # of a simulator's status
-RATE = 25.0  # pictures a second while robots move
-NOBODY, ALL = "nobody", "all robots"
-SPEEDS = ("0.1x", "0.25x", "0.5x", "1x", "2x", "4x", "8x", "fastest")
+RATE = 25.0  # frames per second while robots move
+MAX_DELAY = 0.5  # seconds; a view that is later does not catch up
+POLL = 0.05  # seconds between two checks of the panel
 
 
 class Live:
-    """Shows one world at `http://127.0.0.1:port`, to as many browsers as come.
+    """Shows one world at `http://127.0.0.1:port` to any number of browsers.
 
     >>> live = Live(simulator)
     >>> print(live.url)
     >>> live.begin()                  # after each reset
-    >>> live.show()                   # after each step: takes as long as the step, at speed 1x
+    >>> live.show()                   # after each step; takes the time of the step at speed 1x
 
-    `show` waits while it is paused in the browser, and lets single steps go.
+    `show` waits while the view is paused in the browser.
 
     Args:
-        corners: (n, 3), meters, of more that the camera is to see.
-        port: 0: any that is free.
+        corners: (n, 3), meters, of more that the camera has to see.
+        port: 0: any free port.
 
     Raises:
-        ValueError: the port is taken, or none.
+        ValueError: an invalid port, or one in use.
         ImportError: viser is missing, with the remedy.
     """
 
@@ -48,177 +48,121 @@ class Live:
     ) -> None:
         self.simulator = simulator
         self.server: viser.ViserServer = serve(port, f"fgenv: {simulator.scenario.name}")
-        self.scenery = Scenery(self.server.scene, simulator.built, corners)
-        self.overlays = Overlays(self.server.scene, self.scenery, simulator)
-        self._go, self._steps = threading.Event(), threading.Semaphore(0)
-        self._go.set()
-        self.restart, self._changed = threading.Event(), threading.Event()
-        self.updates = 0  # pictures shown
+        self.scene = ScenarioScene(self.server.scene, simulator.built, corners)
+        self.overlays = Overlays(self.server.scene, self.scene, simulator)
+        self.panel = Panel(self.server, simulator.names, self.overlays, self.scene)
+        self.frames = 0  # shown so far
         self._before = self.simulator.built.starts[0][:0]
+        self._followed_at: Floats | None = None
         self._due = time.monotonic()
-        camera, view = self.scenery.camera, self.server.initial_camera
-        view.position, view.look_at, view.fov = camera.eye, camera.target, camera.fov
-        self._panel()
+        camera, initial = self.scene.camera, self.server.initial_camera
+        initial.position, initial.look_at, initial.fov = camera.eye, camera.target, camera.fov
 
     @property
     def url(self) -> str:
-        """Where it is."""
+        """Address of the page."""
         return f"http://{self.server.get_host()}:{self.server.get_port()}"
 
     def begin(self, world: int = 0) -> None:
-        """An episode begins: show where all stand."""
-        self.overlays.note(world, begins=True)
-        self.restart.clear()
+        """Show the beginning of an episode."""
+        self.overlays.record_step(world, begins=True)
+        self.panel.restart.clear()
         self._before = self.simulator.configurations[world]
         with self.server.atomic():
-            goals = self.simulator.goals[world]
-            self.scenery.aim(list(goals))
-            self.scenery.move_standing(self.simulator.standing_poses(world))
-        self._picture(world, self.simulator.configurations[world])
-        self._last(world)
+            self.scene.set_goals(list(self.simulator.goals[world]))
+            self.scene.move_static(self.simulator.standing_poses(world))
+        self._show_robots(world, self.simulator.configurations[world])
+        self._show_step(world)
         self._due = time.monotonic()
 
     def show(self, world: int = 0) -> None:
-        """Show the step just made, in the time that it takes; waits where it is paused."""
-        now = self.simulator.configurations[world]
-        before, seconds = self._before, self._seconds()
+        """Show the last step at the chosen speed, and wait while the view is paused."""
+        before, after = self._before, self.simulator.configurations[world]
+        speed = self.panel.speed
+        seconds = 0.0 if speed is None else self.simulator.dt / speed
         count = max(1, round(RATE * seconds))
         for k in range(1, count + 1):
-            self._picture(world, self._between(before, now, k / count))
+            self._show_robots(world, self._interpolate(before, after, k / count))
             self._due += seconds / count
-            self._rest()
-        self.overlays.note(world)
-        self._last(world)
-        self._before = now
-        self._hold(world)
+            self._wait_until_due()
+        self.overlays.record_step(world)
+        self._show_step(world)
+        self._before = after
+        self._wait_while_paused(world)
 
     def close(self) -> None:
         """Stop the server."""
         stop(self.server)
 
-    def _seconds(self) -> float:
-        """That a step is to take."""
-        speed = str(self._speed.value)
-        return 0.0 if speed == "fastest" else self.simulator.dt / float(speed.rstrip("x"))
+    def rest(self, seconds: float, world: int = 0) -> None:
+        """Show the current state for a time, or until a new episode is requested."""
+        end, panel = time.monotonic() + seconds, self.panel
+        while not panel.restart.is_set() and (time.monotonic() < end or not panel.running.is_set()):
+            self.refresh(world)
+            time.sleep(POLL)
 
-    def _rest(self) -> None:
-        late = time.monotonic() - self._due
-        if late > 0.5:
-            self._due = time.monotonic()  # too slow, or it was paused: do not hurry after it
-        elif late < 0:
-            time.sleep(-late)
+    def refresh(self, world: int = 0) -> None:
+        """Redraw the overlays if their selection changed."""
+        if self.panel.changed.is_set():
+            self.panel.changed.clear()
+            self._show_step(world)
 
-    def _hold(self, world: int) -> None:
-        """Wait while it is paused, but for a step that is asked for."""
-        while not self._go.is_set() and not self.restart.is_set():
-            if self._steps.acquire(timeout=0.05):
+    def _wait_until_due(self) -> None:
+        delay = time.monotonic() - self._due
+        if delay > MAX_DELAY:
+            self._due = time.monotonic()
+        elif delay < 0:
+            time.sleep(-delay)
+
+    def _wait_while_paused(self, world: int) -> None:
+        """Wait until the view runs, a single step or a new episode is requested."""
+        panel = self.panel
+        while not panel.running.is_set() and not panel.restart.is_set():
+            if panel.single_steps.acquire(timeout=POLL):
                 break
             self.refresh(world)
 
-    def rest(self, seconds: float, world: int = 0) -> None:
-        """Show the current state for a while, or until the viewer asks for a new episode."""
-        end = time.monotonic() + seconds
-        while not self.restart.is_set() and (time.monotonic() < end or not self._go.is_set()):
-            self.refresh(world)
-            time.sleep(0.05)
-
-    def refresh(self, world: int = 0) -> None:
-        """Show what has been switched on since, and wipe away what was switched off."""
-        if self._changed.is_set():
-            self._changed.clear()
-            self._last(world)
-
-    def _between(self, before: Floats, now: Floats, t: float) -> Floats:
+    def _interpolate(self, before: Floats, after: Floats, t: float) -> Floats:
         if t == 1.0:
-            return now
-        found = now.copy()
+            return after
+        q = after.copy()
         for i, robot in enumerate(self.simulator.robots):
             nq = robot.nq
-            found[i, :nq] = robot.interpolate(before[i, :nq], now[i, :nq], t)
-        return found
+            q[i, :nq] = robot.interpolate(before[i, :nq], after[i, :nq], t)
+        return q
 
-    def _picture(self, world: int, q: Floats) -> None:
-        here = (self.simulator.status[world] != GONE).tolist()
-        poses = self.scenery.robots.poses(list(q))
+    def _show_robots(self, world: int, q: Floats) -> None:
+        present = (self.simulator.status[world] != GONE).tolist()
+        poses = self.scene.robots.poses(list(q))
         with self.server.atomic():
-            self.scenery.robots.move(poses, here)
-        self._pursue(q)
-        self.updates += 1
+            self.scene.robots.move(poses, present)
+        self._follow_robot(q)
+        self.frames += 1
 
-    def _last(self, world: int) -> None:
-        """What is shown of a step only when it is made."""
+    def _show_step(self, world: int) -> None:
+        """Show the overlays and the status after a step."""
         with self.server.atomic():
             self.overlays.draw(world)
         simulator = self.simulator
-        arrived = int((simulator.status[world] != 0).sum())
-        met = int(simulator.collision_counts[world].sum())
-        self._told.content = (
+        arrived = int((simulator.status[world] != MOVING).sum())
+        contacts = int(simulator.collision_counts[world].sum())
+        self.panel.show_status(
             f"**{simulator.steps[world] * simulator.dt:.1f} s**, step {simulator.steps[world]}"
             f" of {simulator.horizon}; {arrived} of {simulator.n_robots} arrived;"
-            f" {met} robot steps in contact"
+            f" {contacts} robot steps in contact"
         )
 
-    def _pursue(self, q: Floats) -> None:
-        """Carry the cameras along with the robot that is followed."""
-        name = str(self._follow.value)
-        if name == NOBODY:
-            self._at: Floats | None = None
+    def _follow_robot(self, q: Floats) -> None:
+        """Move the cameras with the robot that is followed."""
+        i = self.panel.followed
+        if i is None:
+            self._followed_at = None
             return
-        i = self.simulator.names.index(name)
         robot = self.simulator.robots[i]
-        at = robot.forward(q[i, : robot.nq], robot.root)[:3, 3]
+        base = robot.forward(q[i, : robot.nq], robot.root)[:3, 3]
         for client in self.server.get_clients().values():
-            by = at - (client.camera.look_at if self._at is None else self._at)
-            if np.abs(by).max() > 1e-9:
-                with client.atomic():  # the target comes along with the eye
-                    client.camera.position = client.camera.position + by
-        self._at = at
-
-    def _panel(self) -> None:
-        gui, self._at = self.server.gui, None
-        gui.configure_theme(show_logo=False, show_share_button=False)
-        gui.main_panel.dock_right()  # beside the scene: nothing is under it
-        self._told = gui.add_markdown("")
-        run = gui.add_button_group("Run", ("Pause", "Play", "Step"))
-        self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value="1x")
-        names = (NOBODY, *self.simulator.names)
-        self._follow = gui.add_dropdown("Follow", names, initial_value=NOBODY)
-        again = gui.add_button("New episode")
-        with gui.add_folder("Show"):
-            whose = gui.add_dropdown(
-                "Whose", (ALL, *self.simulator.names), hint="clearances, boxes, masks and rays"
-            )
-            for name in ("goals", *Overlays.NAMES):
-                self._toggle(name)
-
-        @run.on_click
-        def _(_: object) -> None:
-            if run.value == "Play":
-                self._go.set()
-            else:
-                self._go.clear()
-                if run.value == "Step":
-                    self._steps.release()
-
-        @whose.on_update
-        def _(_: object) -> None:
-            one = None if whose.value == ALL else self.simulator.names.index(str(whose.value))
-            self.overlays.whose = one
-            self._changed.set()
-
-        @again.on_click
-        def _(_: object) -> None:
-            self.restart.set()
-
-    def _toggle(self, name: str) -> None:
-        on = name == "goals" or self.overlays.on[name]
-        box = self.server.gui.add_checkbox(name.capitalize(), on)
-
-        @box.on_update
-        def _(_: object) -> None:
-            if name == "goals":
-                for flock in self.scenery.goals.flocks:
-                    flock.handle.visible = box.value
-            else:
-                self.overlays.on[name] = box.value
-                self._changed.set()
+            last = client.camera.look_at if self._followed_at is None else self._followed_at
+            if np.abs(base - last).max() > 1e-9:
+                with client.atomic():  # the target moves with the eye
+                    client.camera.position = client.camera.position + (base - last)
+        self._followed_at = base

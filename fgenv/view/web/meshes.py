@@ -1,4 +1,4 @@
-"""Shapes as a browser draws them: sharp where they are sharp, and poses as viser has them."""
+"""Meshes, poses and colors in the form that viser expects."""
 
 from __future__ import annotations
 
@@ -9,58 +9,53 @@ from numpy.typing import NDArray
 
 from fgenv.arrays import Floats, Floats32
 from fgenv.collision import Shape
-from fgenv.view.figures.normals import corner_normals
-from fgenv.view.figures.palette import Color, to_linear
-from fgenv.view.figures.surfaces import SMOOTH
+from fgenv.view.figures.normals import SMOOTH, corner_normals
+from fgenv.view.figures.palette import Color, rgba, to_linear
 
-DIM = 0.45
+DIM = 0.45  # factor of mesh colors: viser's light washes out brighter ones
 
 
 def mesh_of(shape: Shape) -> tuple[Floats32, NDArray[np.uint32]]:
-    """Vertices (v, 3) and faces (f, 3); a vertex on a sharp edge is there once for each side.
+    """Return vertices (v, 3) and faces (f, 3) of a mesh that a browser shades like the painter.
 
-    A browser shades round whatever shares a vertex.
+    A browser shades smoothly across shared vertices, so vertices on sharp edges are duplicated.
     """
     normals = corner_normals(shape.vertices, shape.faces, SMOOTH).reshape(-1, 3)
     corners = shape.faces.ravel()
     key = np.column_stack([corners, np.rint(normals * 1000)]).astype(np.int64)
-    _, first, place = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
     vertices = shape.vertices[corners[first]].astype(np.float32)
-    return vertices, place.reshape(-1, 3).astype(np.uint32)
+    return vertices, index.reshape(-1, 3).astype(np.uint32)
 
 
 def quaternions(poses: Floats) -> Floats32:
-    """Orientations of poses (..., 4, 4) as viser has them: w, x, y, z, (..., 4), w not below 0."""
+    """Return the orientations (..., 4) of poses (..., 4, 4) in viser's order w, x, y, z, w >= 0."""
     r = poses[..., :3, :3]
     trace = np.trace(r, axis1=-2, axis2=-1)
     diagonal = np.diagonal(r, axis1=-2, axis2=-1)
-    # Four times the products of the quaternion's numbers; its longest row is that times a number.
-    four = np.empty((*r.shape[:-2], 4, 4))
-    four[..., 0, 0] = 1.0 + trace
+    # Four times the products of the components; the longest row is one component times the rest.
+    products = np.empty((*r.shape[:-2], 4, 4))
+    products[..., 0, 0] = 1.0 + trace
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        four[..., i + 1, i + 1] = 1.0 + 2.0 * diagonal[..., i] - trace
-        four[..., 0, i + 1] = four[..., i + 1, 0] = r[..., k, j] - r[..., j, k]
-        four[..., i + 1, j + 1] = four[..., j + 1, i + 1] = r[..., j, i] + r[..., i, j]
-    best = np.diagonal(four, axis1=-2, axis2=-1).argmax(axis=-1)
-    row = np.take_along_axis(four, best[..., None, None], axis=-2)[..., 0, :]
+        products[..., i + 1, i + 1] = 1.0 + 2.0 * diagonal[..., i] - trace
+        products[..., 0, i + 1] = products[..., i + 1, 0] = r[..., k, j] - r[..., j, k]
+        products[..., i + 1, j + 1] = products[..., j + 1, i + 1] = r[..., j, i] + r[..., i, j]
+    best = np.diagonal(products, axis1=-2, axis2=-1).argmax(axis=-1)
+    row = np.take_along_axis(products, best[..., None, None], axis=-2)[..., 0, :]
     row *= np.where(row[..., :1] < 0, -1.0, 1.0)
     return np.asarray(row / np.linalg.norm(row, axis=-1, keepdims=True), dtype=np.float32)
 
 
-def many_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
-    """sRGB colors of batched meshes, (n, 3): viser takes their bytes for linear light.
-
-    They are darkened, for viser's light is so strong that it washes them out.
-    """
+def mesh_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
+    """Return the bytes (n, 3) of sRGB colors of meshes: viser reads them as linear light."""
     return np.rint(255 * DIM * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
 
 
 def line_rgb(colors: Sequence[Color]) -> NDArray[np.uint8]:
-    """sRGB colors of lines, (n, 3): viser takes many, not one for all, for linear light too."""
+    """Return the bytes (n, 3) of sRGB colors of lines: viser reads several as linear light too."""
     return np.rint(255 * to_linear(np.reshape(colors, (-1, 3)))).astype(np.uint8)
 
 
 def rgb(color: Color) -> tuple[int, int, int]:
-    """An sRGB color in bytes."""
-    red, green, blue = (round(255 * c) for c in color)
-    return red, green, blue
+    """Return an sRGB color as bytes."""
+    return rgba(color)[:3]

@@ -1,4 +1,4 @@
-"""What is drawn over a live scene on demand: features, masks, rays, clearances, trails..."""
+"""Overlays of a live scene that can be switched on: features, masks, rays, clearances, trails."""
 
 from __future__ import annotations
 
@@ -12,18 +12,27 @@ from fgenv.arrays import Floats
 from fgenv.envs import Simulator
 from fgenv.view.figures.palette import MARKED, robot_color, static_color
 
-from . import drawings
-from .drawings import Drawn, Moment
-from .line_sets import Dots, Lines
+from . import overlay_geometry as geometry
+from .line_sets import LineSet, PointSet
+from .overlay_geometry import Drawing, Snapshot
 
 if TYPE_CHECKING:
     from viser import SceneApi
 
-    from .scenery import Scenery
+    from .scene import ScenarioScene
 
 TRAIL = 150  # steps
-LIFT = 0.015  # meters that trails are over the floor
-WIDTHS = {  # pixels
+LIFT = 0.015  # meters from the floor to trails
+GEOMETRY: dict[str, Callable[[Snapshot], Drawing]] = {
+    "contact points": geometry.contact_points,
+    "clearance lines": geometry.clearance_lines,
+    "motion boxes": geometry.motion_boxes,
+    "masks": geometry.mask_lines,
+    "lidar rays": geometry.lidar_rays,
+    "feature points": geometry.feature_points,
+    "feature graph": geometry.feature_edges,
+}
+WIDTHS = {  # of lines, pixels
     "trails": 2.5,
     "clearance lines": 3.0,
     "motion boxes": 2.0,
@@ -31,51 +40,38 @@ WIDTHS = {  # pixels
     "lidar rays": 1.2,
     "feature graph": 1.5,
 }
-SIZES = {"contact points": 0.008, "feature points": 0.003}  # of the scene's diagonal
+SIZES = {"contact points": 0.008, "feature points": 0.003}  # of points, per diagonal of the scene
+MAX_DIAGONAL = 13.0  # meters; points do not grow further in larger scenes
 
 
 class Overlays:
-    """Drawings of a simulator's world that can be switched on and off, by their `NAMES`."""
+    """Overlays of a simulator's world, by their `NAMES`.
 
-    NAMES = (
-        "trails",
-        "contact points",
-        "clearance lines",
-        "motion boxes",
-        "masks",
-        "lidar rays",
-        "feature points",
-        "feature graph",
-    )
+    Attributes:
+        on: whether each overlay is shown.
+        robot: the robot whose overlays are shown, as in `Snapshot`.
+    """
 
-    def __init__(self, scene: SceneApi, scenery: Scenery, simulator: Simulator) -> None:
-        self.scenery, self.simulator = scenery, simulator
+    NAMES = ("trails", *GEOMETRY)
+
+    def __init__(self, scene: SceneApi, scenario: ScenarioScene, simulator: Simulator) -> None:
+        self.scenario, self.simulator = scenario, simulator
         self.on = {name: name in ("trails", "contact points") for name in self.NAMES}
-        self.whose: int | None = None  # the robot that these are of, as in `Moment`
+        self.robot: int | None = None
         self._trail: deque[Floats] = deque(maxlen=TRAIL)
         self._before = self._now = np.zeros((simulator.n_robots, 0))
-        self._tinted = False
-        size = min(13.0, float(np.linalg.norm(scenery.high - scenery.low)))
-        self._ink: dict[str, Lines | Dots] = {}
+        self._highlighted = False
+        size = min(MAX_DIAGONAL, float(np.linalg.norm(scenario.high - scenario.low)))
+        self._sets: dict[str, LineSet] = {}
         for name in self.NAMES:
-            place = "/drawn/" + name.replace(" ", "_")
+            path = "/drawn/" + name.replace(" ", "_")
             if name in WIDTHS:
-                self._ink[name] = Lines(scene, place, WIDTHS[name])
+                self._sets[name] = LineSet(scene, path, WIDTHS[name])
             else:
-                self._ink[name] = Dots(scene, place, SIZES[name] * size)
-        self._drawings: dict[str, Callable[[Moment], Drawn]] = {
-            "trails": lambda _: self._trails(),
-            "contact points": drawings.contacts,
-            "clearance lines": drawings.clearances,
-            "motion boxes": drawings.motion_boxes,
-            "masks": drawings.masks,
-            "lidar rays": drawings.lidar_rays,
-            "feature points": drawings.feature_points,
-            "feature graph": drawings.feature_graph,
-        }
+                self._sets[name] = PointSet(scene, path, SIZES[name] * size)
 
-    def note(self, world: int, begins: bool = False) -> None:
-        """A step was made; or an episode begins, and nothing lies behind."""
+    def record_step(self, world: int, begins: bool = False) -> None:
+        """Record a step of a world, or the beginning of an episode, which clears the trails."""
         q = self.simulator.configurations[world]
         if begins:
             self._trail.clear()
@@ -87,40 +83,41 @@ class Overlays:
         self._trail.append(np.array(points))
         self._before, self._now = self._now, q
 
-    def moment(self, world: int) -> Moment:
-        """A world as it was noted last."""
-        return Moment(self.simulator, world, self._now, self._before, self.whose)
+    def snapshot(self, world: int) -> Snapshot:
+        """Return the world at the last recorded step."""
+        return Snapshot(self.simulator, world, self._now, self._before, self.robot)
 
     def draw(self, world: int) -> None:
-        """All that is on; what is off is wiped away."""
-        moment = self.moment(world)
-        self._tint(moment)
-        for name, ink in self._ink.items():
-            if self.on[name]:
-                ink.draw(*self._drawings[name](moment))
+        """Draw the overlays that are on, and clear the others."""
+        snapshot = self.snapshot(world)
+        self._highlight(snapshot)
+        for name, lines in self._sets.items():
+            if not self.on[name]:
+                lines.clear()
+            elif name == "trails":
+                lines.draw(*self._trails())
             else:
-                ink.wipe()
+                lines.draw(*GEOMETRY[name](snapshot))
 
-    def _trails(self) -> Drawn:
+    def _trails(self) -> Drawing:
         points = np.array(self._trail)
         for i, robot in enumerate(self.simulator.robots):
             if robot.base == "planar":
-                points[:, i, 2] = self.scenery.floor + LIFT
+                points[:, i, 2] = self.scenario.floor + LIFT
         ends = np.stack([points[:-1], points[1:]], axis=2)
         moved = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=-1) > 1e-6
         return ends[moved], [robot_color(i) for i in np.nonzero(moved)[1].tolist()]
 
-    def _tint(self, moment: Moment) -> None:
-        """What stands and bears a mask bit in another color, where masks are shown."""
-        if not self.on["masks"] and not self._tinted:
+    def _highlight(self, snapshot: Snapshot) -> None:
+        """Recolor the static bodies in masks while masks are shown."""
+        if not self.on["masks"] and not self._highlighted:
             return
-        built = self.scenery.built
-        colors = [static_color(shape.name) for shape in built.shapes]
-        if self.on["masks"]:
-            found = drawings.marked(moment)
-            colors = [
-                MARKED if name in found else color
-                for name, color in zip(built.names, colors, strict=True)
+        built = self.scenario.built
+        masked = geometry.masked_bodies(snapshot) if self.on["masks"] else set()
+        self.scenario.recolor_static(
+            [
+                MARKED if name in masked else static_color(shape.name)
+                for name, shape in zip(built.names, built.shapes, strict=True)
             ]
-        self.scenery.paint_standing(colors)
-        self._tinted = self.on["masks"]
+        )
+        self._highlighted = self.on["masks"]

@@ -1,18 +1,18 @@
-// Additions to viser's player: marks of collisions on its time line, steps by keys, a heading.
+// Additions to the player of viser: marks of collisions on its time line, steps by keys, a heading.
 (() => {
-  const { title, seconds, dt, meetings } = window.FGENV;
+  const { title, seconds, dt, contacts } = window.FGENV;
 
-  // Leave room for half a step: a mark of the last step is not to be the end, where it starts over.
+  // Stay before the end: the player starts over there.
   const inside = (t) => Math.min(Math.max(t, 0), seconds - 1e-3);
   const bar = () => document.querySelector('[role="slider"]')?.closest(".mantine-Slider-root");
   const now = () => Number(document.querySelector('[role="slider"]').getAttribute("aria-valuenow"));
 
-  // What the player does when its slider is moved: a property of the component around it.
+  // Properties of the React component of the slider; its onChange moves the player.
   function slider() {
     const thumb = document.querySelector('[role="slider"]');
     let at = thumb[Object.keys(thumb).find((key) => key.startsWith("__reactFiber$"))];
-    const known = (props) => typeof props?.onChange === "function" && "max" in props;
-    while (at && !known(at.memoizedProps)) at = at.return;
+    const isSlider = (props) => typeof props?.onChange === "function" && "max" in props;
+    while (at && !isSlider(at.memoizedProps)) at = at.return;
     return at.memoizedProps;
   }
 
@@ -39,11 +39,11 @@
   function head() {
     const it = document.createElement("div");
     it.id = "fgenv-head";
-    const count = meetings.length;
-    const met = count === 0 ? "no collisions" : count === 1 ? "1 collision" : `${count} collisions`;
+    const count = contacts.length;
+    const collisions = count === 0 ? "no collisions" : count === 1 ? "1 collision" : `${count} collisions`;
     it.innerHTML = "<b></b><div></div><div></div>";
     it.children[0].textContent = title;
-    it.children[1].textContent = `${seconds.toFixed(1)} s, ${met}`;
+    it.children[1].textContent = `${seconds.toFixed(1)} s, ${collisions}`;
     it.children[2].textContent =
       "Space: play; ← →: a step" + (count ? "; N, P: next, previous collision" : "");
     document.body.appendChild(it);
@@ -58,8 +58,8 @@
       ArrowRight: () => t + dt,
       ArrowLeft: () => t - dt,
       Home: () => 0,
-      n: () => meetings.find((m) => m.shown > t + near)?.shown + 1e-6,
-      p: () => meetings.findLast((m) => m.shown < t - near)?.shown + 1e-6,
+      n: () => contacts.find((m) => m.shown > t + near)?.shown + 1e-6,
+      p: () => contacts.findLast((m) => m.shown < t - near)?.shown + 1e-6,
     };
     const to = jumps[event.key]?.();
     if (to === undefined || Number.isNaN(to)) return;
@@ -82,11 +82,11 @@
   document.head.appendChild(style);
   head();
   window.addEventListener("keydown", key, true);
-  // The player is there when the scene is unpacked; it may be built anew.
+  // The player appears once the scene is unpacked, and can be rebuilt.
   setInterval(() => {
     const track = bar()?.querySelector(".mantine-Slider-track");
-    if (!track || track.querySelector(".fgenv-mark") || meetings.length === 0) return;
+    if (!track || track.querySelector(".fgenv-mark") || contacts.length === 0) return;
     track.style.position = "relative";
-    meetings.forEach((meeting) => mark(track, meeting));
+    contacts.forEach((contact) => mark(track, contact));
   }, 200);
 })();

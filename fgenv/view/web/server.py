@@ -1,4 +1,4 @@
-"""A viser server: on the port that was asked for and no other, for this machine alone."""
+"""A viser server for this machine alone, on exactly the requested port."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ REMEDY = "pip install 'fgenv[view]'"
 
 
 def viser_module() -> Any:
-    """viser, or ImportError with the remedy."""
+    """Return viser, or raise ImportError with the remedy."""
     try:
         import viser
     except ImportError:
-        raise ImportError(f"the browser view wants viser; remedy: {REMEDY}") from None
+        raise ImportError(f"the browser view needs viser; remedy: {REMEDY}") from None
     return viser
 
 
 def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.ViserServer:
-    """A server, in threads of its own.
+    """Start a server in threads of its own.
 
     Args:
-        port: 0: any that is free; `get_port` tells.
+        port: 0: any free port, which `get_port` returns.
 
     Raises:
-        ValueError: no such port, or somebody else has it.
+        ValueError: an invalid port, or one in use.
         ImportError: viser is missing, with the remedy.
     """
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port < 65536:
@@ -40,7 +40,7 @@ def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.Vis
     module = viser_module()
     with quiet():
         server: viser.ViserServer = module.ViserServer(host, port, label, verbose=False)
-        if port not in (0, server.get_port()):  # viser went on to the next one
+        if port not in (0, server.get_port()):  # viser uses the next free port
             server.stop()
             raise ValueError(f"port: {port} is taken; choose another one, or 0 for any")
     return server
@@ -48,7 +48,7 @@ def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.Vis
 
 @contextmanager
 def serving(port: int = PORT, label: str = "fgenv") -> Iterator[viser.ViserServer]:
-    """A server that is stopped in the end."""
+    """Run a server within a context."""
     server = serve(port, label)
     try:
         yield server
@@ -57,13 +57,13 @@ def serving(port: int = PORT, label: str = "fgenv") -> Iterator[viser.ViserServe
 
 
 def stop(server: viser.ViserServer) -> None:
-    """Stop it, without a word."""
+    """Stop a server without output."""
     with quiet():
         server.stop()
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """viser tells of its server on stdout, which may be for a machine."""
+    """Suppress viser's messages: stdout can carry JSON."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield
