@@ -274,7 +274,7 @@ def test_bad_poses_are_errors(bad: str, camera: Camera | None) -> None:
         ({"samples": 1000}, "samples: got 1000"),
         ({"floor": Floor(grid=0.0)}, "floor: grid"),
         ({"floor": Floor(fade=np.nan)}, "floor: fade"),
-        ({"floor": Floor(height=np.inf)}, "floor: height"),
+        ({"floor": Floor(height=np.inf)}, "floor: got height"),
         ({"light": Light(to=(0.0, np.nan, 0.0))}, "sun"),
         ({"camera": Camera((1e13, 0.0, 0.0), (0.0, 0.0, 0.0))}, "eye"),
         ({"camera": Camera(FRONT.eye, FRONT.target, width=10**9)}, "width, height: got 1000000000"),
