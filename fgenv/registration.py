@@ -27,7 +27,7 @@ def register() -> None:
         safe="fgenv.agents.policies.safety_filter:safe",
     )
     RENDERERS.update(
-        rgb_array="fgenv.view.figures.fleet_painter:FleetPainter",
+        rgb_array="fgenv.view.figures.scenario_painter:ScenarioPainter",
         human="fgenv.view.web.live:Live",
     )
     after_import("gymnasium", register_gymnasium)
