@@ -1,68 +1,44 @@
 """Motion planning for scenarios, with OMPL and multi-robot search."""
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
-from fgenv.planners.errors import PlanningError
+from fgenv._lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from fgenv.planners.certificate import Certificate, certify
-    from fgenv.planners.methods import METHODS
-    from fgenv.planners.multi.composite import PLANNERS, JointPath, PlannerGraph, plan_composite
-    from fgenv.planners.ompl.checkers import MotionValidator, StateValidityChecker
-    from fgenv.planners.ompl.setup import Setup, setup
-    from fgenv.planners.ompl.spaces import StateLayout, state_space
-    from fgenv.planners.plan import Plan, PlanError
-    from fgenv.planners.problem import Problem
-    from fgenv.planners.steering import Steering, legs
-    from fgenv.planners.verification import verify
+    from fgenv.planners.certificate import Certificate as Certificate
+    from fgenv.planners.certificate import certify as certify
+    from fgenv.planners.errors import PlanningError as PlanningError
+    from fgenv.planners.methods import METHODS as METHODS
+    from fgenv.planners.multi.composite import PLANNERS as PLANNERS
+    from fgenv.planners.multi.composite import JointPath as JointPath
+    from fgenv.planners.multi.composite import PlannerGraph as PlannerGraph
+    from fgenv.planners.multi.composite import plan_composite as plan_composite
+    from fgenv.planners.ompl.checkers import MotionValidator as MotionValidator
+    from fgenv.planners.ompl.checkers import StateValidityChecker as StateValidityChecker
+    from fgenv.planners.ompl.setup import Setup as Setup
+    from fgenv.planners.ompl.setup import setup as setup
+    from fgenv.planners.ompl.spaces import StateLayout as StateLayout
+    from fgenv.planners.ompl.spaces import state_space as state_space
+    from fgenv.planners.plan import Plan as Plan
+    from fgenv.planners.plan import PlanError as PlanError
+    from fgenv.planners.problem import Problem as Problem
+    from fgenv.planners.steering import Steering as Steering
+    from fgenv.planners.steering import legs as legs
+    from fgenv.planners.verification import verify as verify
 
-# Names by module; imported on first access, since most of these modules import OMPL.
-LAZY = {
-    "certificate": ("Certificate", "certify"),
-    "methods": ("METHODS",),
-    "multi.composite": ("PLANNERS", "JointPath", "PlannerGraph", "plan_composite"),
-    "ompl.checkers": ("MotionValidator", "StateValidityChecker"),
-    "ompl.setup": ("Setup", "setup"),
-    "ompl.spaces": ("StateLayout", "state_space"),
-    "plan": ("Plan", "PlanError"),
-    "problem": ("Problem",),
-    "steering": ("Steering", "legs"),
-    "verification": ("verify",),
-}
-
-__all__ = [
-    "METHODS",
-    "PLANNERS",
-    "Certificate",
-    "JointPath",
-    "MotionValidator",
-    "Plan",
-    "PlanError",
-    "PlannerGraph",
-    "PlanningError",
-    "Problem",
-    "Setup",
-    "StateLayout",
-    "StateValidityChecker",
-    "Steering",
-    "certify",
-    "legs",
-    "plan_composite",
-    "setup",
-    "state_space",
-    "verify",
-]
-
-
-def __getattr__(name: str) -> Any:
-    for module, names in LAZY.items():
-        if name in names:
-            return getattr(importlib.import_module(f"fgenv.planners.{module}"), name)
-    raise AttributeError(f"module 'fgenv.planners' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "certificate": ("Certificate", "certify"),
+        "errors": ("PlanningError",),
+        "methods": ("METHODS",),
+        "multi.composite": ("PLANNERS", "JointPath", "PlannerGraph", "plan_composite"),
+        "ompl.checkers": ("MotionValidator", "StateValidityChecker"),
+        "ompl.setup": ("Setup", "setup"),
+        "ompl.spaces": ("StateLayout", "state_space"),
+        "plan": ("Plan", "PlanError"),
+        "problem": ("Problem",),
+        "steering": ("Steering", "legs"),
+        "verification": ("verify",),
+    },
+)

@@ -133,8 +133,8 @@ def _check_arguments(planner: str, objective: str | None, time_limit: float) -> 
         raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
     if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
         raise ValueError(
-            f"objective: {objective!r} deadlocks {planner}, whose second thread computes costs;"
-            " expected 'length', or another planner"
+            f"objective: {objective!r} deadlocks {planner}, since its second thread"
+            " computes costs; expected 'length', or another planner"
         )
     if not 0 < time_limit < math.inf:
         raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")

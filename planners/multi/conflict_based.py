@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 
-from fgenv.planners.errors import PlanningError
 from fgenv.planners.problem import Problem
 from fgenv.planners.sipp.sipp import SearchBudget
 
@@ -52,16 +51,8 @@ def plan_conflict_based(
     roadmaps.check()
     solution = MetaAgentSearch(roadmaps, budget, suboptimality, joint_planner).run()
     if not solution.complete:
-        raise PlanningError(_failure(problem, solution, time_limit, budget.expired()), solution)
+        effort = f"within {time_limit:g} s" if budget.expired() else "on these roadmaps"
+        effort += f" ({solution.stats.nodes} nodes)"
+        remedy = "a greater suboptimality or composite"
+        raise solution.error(problem.names, "conflict_based", effort, remedy)
     return solution
-
-
-def _failure(problem: Problem, solution: Solution, time_limit: float, late: bool) -> str:
-    missing = ", ".join(problem.names[i] for i in solution.missing)
-    effort = f"within {time_limit:g} s" if late else "on these roadmaps"
-    total = len(solution.paths)
-    return (
-        f"conflict_based: no paths for all {total} robots {effort} ({solution.stats.nodes} nodes);"
-        f" {total - len(solution.missing)} of them have no conflicts, without {missing}; allow more"
-        " time, a greater suboptimality, or use composite"
-    )

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 from fgenv.planners.roadmap.roadmap import INF
 from fgenv.planners.sipp.dynamic_obstacles import TimedPath
-from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget, sipp
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
 from .conflict_splitting import ConflictSplitter
 from .conflicts import Conflicts, conflicts_of
-from .constraints import ConstrainedIntervals, Constraint
+from .constraints import Constraint
 from .priorities import HOLD_TIMES, PriorityPlanner
 from .roadmap_set import RoadmapSet
 
@@ -58,8 +58,8 @@ class ConstraintTree:
     Args:
         suboptimality: bound on the cost of the solution, relative to the optimum.
         fixed: timed paths of robots that keep them.
-        merge_threshold: conflicts between two robots after which they are to be merged into a
-            meta-agent; 0: never.
+        merge_threshold: conflicts between two robots after which they are merged into a meta-agent;
+            0: never.
 
     Attributes:
         to_merge: robots to merge, if the search ended for that reason.
@@ -191,21 +191,11 @@ class ConstraintTree:
         latest: int = INF,
     ) -> RoadmapPath | None:
         """Earliest path of robot i under constraints, among others, that arrives until `latest`."""
-        roadmaps, obstacles = self.roadmaps, self._intervals[i]
+        obstacles = self._intervals[i]
         if others:
-            obstacles = roadmaps.intervals(i, [*self.fixed.values(), *others])
-        intervals = ConstrainedIntervals(obstacles, constraints)
-        return sipp(
-            roadmaps.roadmap(i),
-            roadmaps.starts[i],
-            roadmaps.goals[i],
-            intervals,
-            self.budget,
-            stay=roadmaps.stay,
-            earliest=intervals.earliest,
-            latest=latest,
-            max_states=INF if latest == INF else MAX_STATES,
-        )
+            obstacles = self.roadmaps.intervals(i, [*self.fixed.values(), *others])
+        options = {} if latest == INF else {"latest": latest, "max_states": MAX_STATES}
+        return self.roadmaps.plan(i, obstacles, constraints, self.budget, **options)
 
 
 def _pop(nodes: list[Node], bound: float) -> Node:

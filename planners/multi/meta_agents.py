@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 from fgenv.arrays import Floats
 from fgenv.planners.errors import PlanningError
@@ -23,25 +24,25 @@ MERGE_THRESHOLD = 20  # conflicts between two robots (B in MA-CBS)
 TIME_SHARE = 0.3  # of the time left, for a meta-agent
 
 
+@dataclass(eq=False)
 class MetaAgentSearch:
     """Conflict-based searches with merges in between.
 
     Args:
         joint_planner: see `plan_conflict_based`.
+
+    Attributes:
+        paths: of the robots in meta-agents.
+        nodes: nodes of all constraint trees.
     """
 
-    def __init__(
-        self,
-        roadmaps: RoadmapSet,
-        budget: SearchBudget,
-        suboptimality: float,
-        joint_planner: JointPlanner | None,
-    ) -> None:
-        self.roadmaps, self.budget, self.suboptimality = roadmaps, budget, suboptimality
-        self.joint_planner = joint_planner
-        self.paths: dict[int, Floats] = {}  # of the robots in meta-agents
-        self.meta_agents: list[tuple[int, ...]] = []
-        self.nodes = 0
+    roadmaps: RoadmapSet
+    budget: SearchBudget
+    suboptimality: float
+    joint_planner: JointPlanner | None
+    paths: dict[int, Floats] = field(default_factory=dict)
+    meta_agents: list[tuple[int, ...]] = field(default_factory=list)
+    nodes: int = 0
 
     def run(self) -> Solution:
         """Search until no more robots have to be merged; the solution may be incomplete."""

@@ -8,14 +8,15 @@ for multi-agent path finding" (PBS), AAAI 2019, but without backtracking.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from fgenv.planners.sipp.dynamic_obstacles import TimedPath
-from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget, sipp
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
 from .conflicts import conflicts_of
-from .constraints import ConstrainedIntervals, Constraint
+from .constraints import Constraint
 from .roadmap_set import RoadmapSet
 
 HOLD_TIMES = (1.0, 2.0, 0.0, 4.0)  # s; robots not yet planned block their starts for so long
@@ -23,6 +24,7 @@ MAX_STATES = 3000  # of a single-robot search
 RIP_UPS = 4  # per robot, on average
 
 
+@dataclass(eq=False)
 class PriorityPlanner:
     """Plans robots in a priority order.
 
@@ -32,16 +34,11 @@ class PriorityPlanner:
         weight: of the heuristic, see `sipp`.
     """
 
-    def __init__(
-        self,
-        roadmaps: RoadmapSet,
-        budget: SearchBudget,
-        fixed: Mapping[int, TimedPath],
-        constraints: Mapping[int, Sequence[Constraint]],
-        weight: float = 1.0,
-    ) -> None:
-        self.roadmaps, self.budget, self.fixed = roadmaps, budget, fixed
-        self.constraints, self.weight = constraints, weight
+    roadmaps: RoadmapSet
+    budget: SearchBudget
+    fixed: Mapping[int, TimedPath]
+    constraints: Mapping[int, Sequence[Constraint]]
+    weight: float = 1.0
 
     def plan(self, order: Sequence[int], hold: float) -> tuple[dict[int, RoadmapPath], int | None]:
         """Plan robots in an order.
@@ -78,7 +75,7 @@ class PriorityPlanner:
         return paths, None
 
     def initial_order(self) -> list[int]:
-        """Robots whose goals block few others and whose starts block many; then by path length."""
+        """Order by robots blocked at the goal minus robots blocked at the start, then longest first."""
         roadmaps = self.roadmaps
         robots = [i for i in range(len(roadmaps.kinds)) if i not in self.fixed]
         alone = {i: path for i in robots if (path := self.plan_robot(i, {})) is not None}
@@ -97,24 +94,14 @@ class PriorityPlanner:
         self, i: int, paths: Mapping[int, RoadmapPath], waiting: Iterable[TimedPath] = ()
     ) -> RoadmapPath | None:
         """Earliest path of robot i among the fixed paths, other paths and waiting robots."""
-        roadmaps = self.roadmaps
-        timed = (roadmaps.timed(j, path) for j, path in paths.items())
-        obstacles = roadmaps.intervals(i, [*self.fixed.values(), *timed, *waiting])
-        intervals = ConstrainedIntervals(obstacles, self.constraints.get(i, ()))
-        return sipp(
-            roadmaps.roadmap(i),
-            roadmaps.starts[i],
-            roadmaps.goals[i],
-            intervals,
-            self.budget,
-            stay=roadmaps.stay,
-            earliest=intervals.earliest,
-            max_states=MAX_STATES,
-            weight=self.weight,
-        )
+        timed = (self.roadmaps.timed(j, path) for j, path in paths.items())
+        obstacles = self.roadmaps.intervals(i, [*self.fixed.values(), *timed, *waiting])
+        options = {"max_states": MAX_STATES, "weight": self.weight}
+        constraints = self.constraints.get(i, ())
+        return self.roadmaps.plan(i, obstacles, constraints, self.budget, **options)
 
     def _conflicting(self, i: int, paths: Mapping[int, RoadmapPath]) -> list[int]:
-        """Robots whose paths conflict with that of robot i."""
+        """Robots with paths that conflict with that of robot i."""
         return sorted({j for pair in conflicts_of(self.roadmaps, i, paths) for j in pair if j != i})
 
 

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.planners.errors import PlanningError
 from fgenv.planners.problem import Problem
 from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
@@ -62,7 +61,9 @@ def plan_prioritized(
         roadmaps.stats(budget, restarts=tried),
     )
     if not solution.complete:
-        raise PlanningError(_failure(problem, solution, time_limit, budget.expired()), solution)
+        effort = f"within {time_limit:g} s" if budget.expired() else f"in {tried + 1} orders"
+        remedy = "conflict_based or composite"
+        raise solution.error(problem.names, "prioritized", effort, remedy)
     return solution
 
 
@@ -89,14 +90,3 @@ def _best_order(
         queue = [failed, *(i for i in queue if i != failed)]
         if tuple(queue) in seen:
             queue = [int(i) for i in rng.permutation(queue)]
-
-
-def _failure(problem: Problem, solution: Solution, time_limit: float, late: bool) -> str:
-    missing = ", ".join(problem.names[i] for i in solution.missing)
-    effort = f"within {time_limit:g} s" if late else f"in {solution.stats.restarts + 1} orders"
-    total = len(solution.paths)
-    return (
-        f"prioritized: no paths for all {total} robots {effort}; the best order plans"
-        f" {total - len(solution.missing)} of them, without {missing}; allow more time, or use"
-        " conflict_based or composite"
-    )

@@ -18,8 +18,9 @@ from fgenv.planners.roadmap.pair_cache import PairCache
 from fgenv.planners.roadmap.roadmap import UNREACHABLE, Roadmap
 from fgenv.planners.sipp.dynamic_obstacles import DynamicObstacle, TimedPath
 from fgenv.planners.sipp.safe_intervals import ObstacleIntervals
-from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
+from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget, sipp
 
+from .constraints import ConstrainedIntervals, Constraint
 from .solution import SearchStats
 
 
@@ -105,6 +106,20 @@ class RoadmapSet:
     def intervals(self, i: int, paths: Iterable[TimedPath]) -> ObstacleIntervals:
         """Safe intervals of robot i among timed paths, which cache the results."""
         return ObstacleIntervals(self.roadmap(i), [self._obstacle(i, path) for path in paths])
+
+    def plan(
+        self,
+        i: int,
+        obstacles: ObstacleIntervals,
+        constraints: Iterable[Constraint],
+        budget: SearchBudget,
+        **options: Any,
+    ) -> RoadmapPath | None:
+        """Earliest path of robot i under constraints; see `sipp` for the options."""
+        intervals = ConstrainedIntervals(obstacles, constraints)
+        ends = self.starts[i], self.goals[i]
+        options |= {"stay": self.stay, "earliest": intervals.earliest}
+        return sipp(self.roadmap(i), *ends, intervals, budget, **options)
 
     def _obstacle(self, i: int, path: TimedPath) -> DynamicObstacle:
         kind = self.kinds[i]

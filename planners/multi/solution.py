@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from fgenv.arrays import Floats
+from fgenv.planners.errors import PlanningError
 
 
 @dataclass(frozen=True)
@@ -46,3 +48,12 @@ class Solution:
     def complete(self) -> bool:
         """Whether every robot has a path."""
         return not self.missing
+
+    def error(self, names: Sequence[str], method: str, effort: str, remedy: str) -> PlanningError:
+        """Error for an incomplete solution; `names` are of all robots."""
+        missing, total = ", ".join(names[i] for i in self.missing), len(names)
+        return PlanningError(
+            f"{method}: no paths for all {total} robots {effort}; {total - len(self.missing)} have"
+            f" one, but not {missing}; allow more time, or use {remedy}",
+            self,
+        )

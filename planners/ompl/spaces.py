@@ -46,7 +46,7 @@ class StateLayout:
     def states(self, q: ArrayLike) -> Floats:
         """States (..., size) of configurations (..., nq), with angles in [-pi, pi).
 
-        Quaternions are normalized, since OMPL rejects states whose norm is off by more than 1e-9.
+        Quaternions are normalized, since OMPL rejects norms that differ from 1 by over 1e-9.
         """
         q = np.array(q, dtype=np.float64)
         q[..., self.robot.endless] = _wrapped(q[..., self.robot.endless])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,26 +15,26 @@ from .motion_table import MotionTable
 BITS = 32  # of a motion's number
 
 
+@dataclass(eq=False)
 class PairCache:
     """Whether simultaneous motions of robots of two kinds are not certified collision-free.
 
     Args:
-        world: world whose `meet` computes the results.
+        world: computes the results by `meet`.
         tables: motion table of each kind.
         members: ids in the world of each kind's robots; any two represent their kinds.
         margin: meters; motions that come nearer count as a collision.
+
+    Attributes:
+        checks: pairs of motions that the world has checked.
     """
 
-    def __init__(
-        self,
-        world: World,
-        tables: Sequence[MotionTable],
-        members: Sequence[Sequence[int]],
-        margin: float = 0.0,
-    ) -> None:
-        self.world, self.tables, self.members, self.margin = world, tables, members, margin
-        self.checks = 0  # pairs of motions that the world has checked
-        self._results: dict[tuple[int, int], dict[int, bool]] = {}
+    world: World
+    tables: Sequence[MotionTable]
+    members: Sequence[Sequence[int]]
+    margin: float = 0.0
+    checks: int = 0
+    _results: dict[tuple[int, int], dict[int, bool]] = field(default_factory=dict)
 
     def collide(self, a: int, motions_a: Ints, b: int, motions_b: Ints) -> Flags:
         """True for each pair of motions (n,) of kinds a and b that is not certified free."""
@@ -51,7 +52,7 @@ class PairCache:
         return np.asarray((offset * offset).sum(-1) <= reach * reach)
 
     def collide_near(self, a: int, motions_a: Ints, b: int, motions_b: Ints) -> Flags:
-        """`collide` for pairs whose bounding spheres overlap."""
+        """`collide` for pairs with overlapping bounding spheres."""
         if a > b:
             a, b, motions_a, motions_b = b, a, motions_b, motions_a
         elif a == b:

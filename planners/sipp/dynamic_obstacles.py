@@ -100,7 +100,7 @@ class DynamicObstacle:
         return self.pairs.collide_near(self.kind, own, self.path.kind, self.motions[entries])
 
     def _near(self, own: Ints) -> tuple[Ints, Ints, Floats]:
-        """Pairs of a robot's motion and an entry whose bounding spheres overlap.
+        """Pairs of a robot's motion and an entry with overlapping bounding spheres.
 
         Returns:
             Places in `own`, entries, and squared distances of the centers (m^2); (n,) each.

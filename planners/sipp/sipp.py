@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from bisect import bisect_left
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from operator import itemgetter
 from typing import NamedTuple
@@ -117,7 +117,7 @@ def sipp(
         return None
     earliest_end = max(earliest, at_goal[-1][0] if stay else 0)
     search = _Search(roadmap, goal, intervals, weight, earliest, latest, earliest_end)
-    search.push(0, 0, cost_to_go, -1, WAIT, start, first, 0)
+    search.push(-1, WAIT, start, first, 0, 0)
     while search.queue:
         entry = heappop(search.queue)
         if entry[5] == ANY:
@@ -137,80 +137,74 @@ def sipp(
     return None
 
 
+@dataclass(eq=False)
 class _Search:
-    """Open queue and closed states of one search."""
+    """Open queue and closed states of one search.
 
-    def __init__(
-        self,
-        roadmap: Roadmap,
-        goal: int,
-        intervals: SafeIntervals,
-        weight: float,
-        earliest: int,
-        latest: int,
-        earliest_end: int,
-    ) -> None:
-        self.roadmap, self.goal, self.intervals = roadmap, goal, intervals
-        self.weight, self.earliest, self.latest = weight, earliest, latest
-        self.earliest_end = earliest_end  # lower bound on the instant of arrival
-        self.cost_to_go = roadmap.cost_to_go(goal)
-        self.queue: list[Entry] = []
-        self.nodes: list[SearchNode] = []
-        self.reached: dict[tuple[int, int], int] = {}  # earliest instant of each state
+    Attributes:
+        earliest_end: lower bound on the instant of arrival.
+        reached: earliest instant of each state.
+    """
+
+    roadmap: Roadmap
+    goal: int
+    intervals: SafeIntervals
+    weight: float
+    earliest: int
+    latest: int
+    earliest_end: int
+    queue: list[Entry] = field(default_factory=list)
+    nodes: list[SearchNode] = field(default_factory=list)
+    reached: dict[tuple[int, int], int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.cost_to_go = self.roadmap.cost_to_go(self.goal)
 
     def push(
-        self,
-        t: int,
-        start: int,
-        cost_to_go: int,
-        parent: int,
-        edge: int,
-        vertex: int,
-        interval: int,
-        end: int,
+        self, parent: int, edge: int, vertex: int, interval: int, start: int, end: int
     ) -> None:
-        """Add an entry that reaches its vertex at instant t."""
-        f = max(t + self.weight * cost_to_go, self.earliest_end)
+        """Add an entry whose edge starts at the earliest at instant `start`."""
+        cost_to_go = self.cost_to_go[vertex]
+        f = max(start + self.duration(edge) + self.weight * cost_to_go, self.earliest_end)
         heappush(self.queue, (f, cost_to_go, parent, edge, vertex, interval, start, end))
+
+    def duration(self, edge: int) -> int:
+        """Steps of an edge; 0 for WAIT."""
+        return self.roadmap.durations[edge] if edge >= 0 else 0
 
     def divide(self, entry: Entry) -> None:
         """Push an entry for each safe interval of the vertex that the edge can reach."""
-        _, cost_to_go, parent, edge, vertex, _, start, end = entry
-        duration = self.roadmap.durations[edge]
-        there = self.intervals.at_vertex(vertex)
+        _, _, parent, edge, vertex, _, start, end = entry
+        duration, there = self.duration(edge), self.intervals.at_vertex(vertex)
         for i in range(bisect_left(there, start + duration, key=itemgetter(1)), len(there)):
             low, high = max(start, there[i][0] - duration), min(end, there[i][1] - duration)
             if low > end:
                 break
-            self.push(low + duration, low, cost_to_go, parent, edge, vertex, i, high)
+            self.push(parent, edge, vertex, i, low, high)
 
     def reach(self, entry: Entry) -> SearchNode | None:
         """Close the state of an entry, if the edge can start at once; else push it again."""
         _, cost_to_go, parent, edge, vertex, interval, start, end = entry
-        t = start + (self.roadmap.durations[edge] if edge >= 0 else 0)
+        t = start + self.duration(edge)
         # At the goal, states before and after the earliest arrival are different.
         state = vertex, (interval if vertex != self.goal or t < self.earliest else -1 - interval)
         if self.reached.get(state, INF) <= t:
             return None
         safe = self.intervals.first_start(edge, start, end) if edge >= 0 else 0
         if safe != start:
-            t += safe - start
-            if safe > start and t + cost_to_go <= self.latest:
-                self.push(t, safe, cost_to_go, parent, edge, vertex, interval, end)
+            if safe > start and safe + self.duration(edge) + cost_to_go <= self.latest:
+                self.push(parent, edge, vertex, interval, safe, end)
             return None
         self.reached[state] = t
-        node = SearchNode(parent, vertex, edge, start, t)
-        self.nodes.append(node)
-        return node
+        self.nodes.append(SearchNode(parent, vertex, edge, start, t))
+        return self.nodes[-1]
 
     def expand(self, number: int, high: int) -> None:
         """Push the edges that leave a node, which can start until instant `high`."""
         node = self.nodes[number]
         for edge, head, duration in self.roadmap.successors[node.vertex]:
-            cost_to_go = self.cost_to_go[head]
-            t = node.t + duration
-            if t + cost_to_go <= self.latest:
-                self.push(t, node.t, cost_to_go, number, edge, head, ANY, high)
+            if node.t + duration + self.cost_to_go[head] <= self.latest:
+                self.push(number, edge, head, ANY, node.t, high)
 
 
 def _interval_at(intervals: list[Interval], t: int) -> int | None:

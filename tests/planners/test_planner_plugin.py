@@ -379,7 +379,7 @@ def test_a_cars_arcs_stay_in_the_workspace() -> None:
 
 
 def test_free_bodies_are_planned_with_rounded_quaternions() -> None:
-    """Scenarios store six digits; OMPL rejects quaternions whose norm is off by over 1e-9."""
+    """Scenarios store six digits; OMPL rejects norms that differ from 1 by over 1e-9."""
     problem = Problem.of("cubicles")
     q = plan_composite(problem, time_limit=30.0).paths[0]
     assert len(q) > 2
