@@ -75,7 +75,7 @@ class PriorityPlanner:
         return paths, None
 
     def initial_order(self) -> list[int]:
-        """Order by robots blocked at the goal minus robots blocked at the start, then longest first."""
+        """Order by robots blocked at the goal minus those blocked at the start, then by length."""
         roadmaps = self.roadmaps
         robots = [i for i in range(len(roadmaps.kinds)) if i not in self.fixed]
         alone = {i: path for i in robots if (path := self.plan_robot(i, {})) is not None}
