@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fgenv.planners.plan import Plan as Plan
     from fgenv.planners.plan import PlanError as PlanError
     from fgenv.planners.problem import Problem as Problem
-    from fgenv.planners.steering import Steering as Steering
-    from fgenv.planners.steering import legs as legs
     from fgenv.planners.verification import verify as verify
 
 __getattr__, __dir__, __all__ = lazy_exports(

@@ -180,7 +180,7 @@ class _Phase:
         """Bound on how much nearer two robots can come to each other within each step, meters."""
         models = [self.problem.models[i] for i in self.present]
         pairs = zip(models, self.parts, strict=True)
-        length = [np.asarray(model.distance(q[:-1], q[1:])) for model, q in pairs]
+        length = [np.asarray(model.displacement_bound(q[:-1], q[1:])) for model, q in pairs]
         bound: Floats = 2.0 * np.max(length, axis=0)
         return bound
 

@@ -8,8 +8,7 @@ from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.collision.world import TOLERANCE, Body
-
-from .steering import Steering
+from fgenv.robots import Steering
 
 UNBOUNDED = [-float("inf")] * 2 + [float("inf")] * 2
 

@@ -195,7 +195,7 @@ class Plan:
 
 def _length(model: Robot, q: Floats) -> float:
     if model.base == "fixed":
-        return float(np.sum(model.distance(q[:-1], q[1:])))
+        return float(np.sum(model.displacement_bound(q[:-1], q[1:])))
     place = q[:, : 3 if model.base == "free" else 2]
     return float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum())
 

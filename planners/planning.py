@@ -15,7 +15,7 @@ from fgenv.scenarios.errors import near
 
 from .certificate import Certificate, certify
 from .errors import PlanningError
-from .limits import wrong_with
+from .limits import path_fault
 from .methods import LEAST_TIME, METHODS, TimedPaths
 from .plan import Plan, padded
 from .problem import Problem
@@ -69,7 +69,7 @@ def plan(
     options = {"planner": planner, "simplify": simplify, "objective": objective}
     found, configurations, certificate = _certified(problem, method, time_limit, options)
     for i, q in enumerate(configurations):
-        wrong = wrong_with(problem, i, q)
+        wrong = path_fault(problem, i, q)
         if wrong is not None:
             raise PlanningError(f"{problem.names[i]!r} {wrong}: the path cannot be driven")
     return Plan(

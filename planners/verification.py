@@ -8,7 +8,7 @@ from fgenv.scenarios.hashes import urdf_hashes
 from fgenv.scenarios.validation import files
 
 from .certificate import Certificate, certify
-from .limits import wrong_with
+from .limits import path_fault
 from .plan import Plan, PlanError
 from .problem import Problem
 
@@ -37,7 +37,7 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
     if len(plan.configurations) != len(problem.models) or len(steps) != 1 or 0 in steps:
         raise PlanError("plan: expected one configuration per robot and step; plan again")
     for i, q in enumerate(plan.configurations):
-        wrong = wrong_with(problem, i, q)
+        wrong = path_fault(problem, i, q)
         if wrong:
             raise PlanError(f"plan: {problem.names[i]!r} {wrong}; plan again")
     return certify(problem, plan.configurations)

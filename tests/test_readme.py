@@ -106,7 +106,7 @@ def test_robots_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     arm, world, found = (names[k] for k in ("arm", "world", "found"))
     assert names["cart"].dof == 3
     assert names["way"].shape == (50, arm.nq)
-    assert arm.contacts() == ()
+    assert arm.self_collisions() == ()
     assert 20 < names["hits"].sum() < 1000
     assert not found.unresolved
     assert world.parts("panda").tolist()[-1] == world.ids[-1]

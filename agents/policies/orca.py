@@ -10,11 +10,11 @@ import numpy as np
 from fgenv import _core
 from fgenv.agents.policies.base import BasePolicy
 from fgenv.agents.policies.planar_lidar import PlanarLidar
-from fgenv.agents.tracking.velocity_tracking import base_of, followed, targets
+from fgenv.agents.tracking.path_targets import path_targets
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
-from fgenv.robots import Holonomic, Robot
-from fgenv.robots.footprint import enclosing
+from fgenv.robots import Robot
+from fgenv.robots.footprint import enclosing_radius
 
 GUIDED = Observation(
     path_hint=True, path="shortest", look_ahead=0.4, rays=72, lidar_range=2.0, pad=True
@@ -84,7 +84,7 @@ class OrcaPolicy(BasePolicy):
 
     def act(self, observations: Floats32) -> Floats:
         """Return actions (worlds, robots, size)."""
-        return self.toward(targets(self.view, observations), observations)
+        return self.toward(path_targets(self.view, observations), observations)
 
     def toward(
         self, points: Floats, observations: Floats32, residual: Floats | None = None
@@ -122,18 +122,18 @@ class OrcaPolicy(BasePolicy):
         actions = view.toward(points)  # for joints, yaw, and robots near their goals
         far = np.sqrt(((goals - q)[..., :2] ** 2).sum(axis=-1)) > GOAL_RADIUS
         for i, robot in enumerate(view.robots):
-            yaw, sideways = q[:, i, 2], isinstance(base_of(robot), Holonomic)
-            if sideways:  # the base turns during the step: the chord has its mean yaw
+            yaw, drive = q[:, i, 2], robot.required_drive.base_drive
+            if drive.moves_sideways:  # it turns during the step: the chord has its mean yaw
                 yaw = yaw + 0.5 * view.dt * robot.actions[2].high * actions[:, i, 2]
-            own = followed(robot, yaw, velocities[:, i], view.dt)
-            n = 2 if sideways else own.shape[1]
+            own = drive.track_velocity(robot, yaw, velocities[:, i], view.dt)
+            n = 2 if drive.moves_sideways else own.shape[1]
             actions[:, i, :n] = np.where(far[:, i, None], own[:, :n], actions[:, i, :n])
         return actions
 
     def _radius(self, robot: Robot) -> float:
         """Radius of the disc around the base's origin that encloses the body at every yaw."""
-        holonomic = isinstance(base_of(robot), Holonomic)
-        return enclosing(robot) + (self.margin if holonomic else self.margin + self.slack)
+        sideways = robot.required_drive.base_drive.moves_sideways
+        return enclosing_radius(robot) + (self.margin if sideways else self.margin + self.slack)
 
     def _preferred(self, q: Floats, points: Floats) -> Floats:
         """Velocities straight to points, m/s; slower within a step of the goal."""

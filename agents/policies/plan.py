@@ -9,11 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.agents.policies.base import BasePolicy
-from fgenv.agents.tracking.executable_plan import Course, find, slack
-from fgenv.agents.tracking.executable_plan import late as late_from
+from fgenv.agents.tracking.executable_plan import Course, find
 from fgenv.agents.tracking.lookahead import free_steps
 from fgenv.agents.tracking.plan_clock import Run, rates
-from fgenv.agents.tracking.waypoint_tracking import can, drives, way_points
 from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
@@ -158,7 +156,9 @@ class PlanPolicy(BasePolicy):
         """Distance from the course beyond which each robot is late, m."""
         if self._simulator.actions == "way_points":
             return np.full(self.view.n_robots, WAY_POINT_TOLERANCE)
-        return np.array([late_from(robot) for robot in self.view.robots])
+        return np.array(
+            [robot.required_drive.base_drive.recovery_error for robot in self.view.robots]
+        )
 
     def _places(self, q: Floats) -> Floats:
         """Configurations (worlds, robots, nq) of the plans at their clocks; q without a plan."""
@@ -173,7 +173,7 @@ class PlanPolicy(BasePolicy):
         """Distances from the courses (worlds, robots), m; 0 for robots at their goals."""
         off, places, moving = np.zeros(q.shape[:2]), self._places(q), self.view.moving
         for i, robot in enumerate(self.view.robots):
-            off[:, i] = robot.distance(q[:, i, : robot.nq], places[:, i, : robot.nq])
+            off[:, i] = robot.displacement_bound(q[:, i, : robot.nq], places[:, i, : robot.nq])
         keys = zip(self._simulator.seeds, self._simulator.episodes, strict=True)
         same = [
             run is not None and run.key == key for run, key in zip(self._runs, keys, strict=True)
@@ -201,12 +201,15 @@ class PlanPolicy(BasePolicy):
     def _can(self, world: int, run: Run, q: Floats, out: Flags, clock: float) -> bool:
         """Whether all robots on their courses can follow the clock."""
         assert run.course is not None
-        before, on = self.view.velocities[world], self.view.moving[world] & ~out
-        rows = run.course.at(clock)
-        return all(
-            can(self.view.robots[i], q[i, : len(rows[i])], rows[i], before[i], self.view.dt)
-            for i in np.flatnonzero(on).tolist()
-        )
+        view, rows = self.view, run.course.at(clock)
+        before, on = view.velocities[world], view.moving[world] & ~out
+
+        def can(i: int) -> bool:
+            robot = view.robots[i]
+            here = q[i, : robot.nq]
+            return robot.required_drive.reaches(robot, here, rows[i], before[i], view.dt)
+
+        return all(can(i) for i in np.flatnonzero(on).tolist())
 
     def _free(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
         """Whether the simultaneous motions through the plan at these clocks are certified free."""
@@ -231,10 +234,12 @@ class PlanPolicy(BasePolicy):
         for i, robot in enumerate(view.robots):
             ends = q[:, i, : robot.nq], places[:, i, : robot.nq]
             if simulator.actions == "way_points":
-                own, led = way_points(robot, *ends, view.dt, simulator.way_point_seconds)
+                own, led = robot.required_drive.tracking_waypoint(
+                    robot, *ends, view.dt, simulator.way_point_seconds
+                )
                 backs[:, i] = ~led
             else:
-                own = drives(robot, *ends, view.dt)
+                own = robot.required_drive.tracking_action(robot, *ends, view.dt)
             asked[:, i, : own.shape[1]] = own
         if backs.any():
             asked[backs] = view.toward(places)[backs]
@@ -255,9 +260,11 @@ def check_plan(course: Course, view: View, world: int) -> None:
             ("start", course.plan.configurations[i][0], view.configurations),
             ("goal", course.plan.configurations[i][-1], view.goals),
         ):
-            if model.nq != view.robots[i].nq or model.distance(
-                row, q[world, i, : model.nq]
-            ) > slack(model):
+            if (
+                model.nq != view.robots[i].nq
+                or model.displacement_bound(row, q[world, i, : model.nq])
+                > model.required_drive.base_drive.tracking_error
+            ):
                 raise PlanningError(
                     f"plan: the {end} of {name!r} differs from this episode;"
                     " run the scenario with the options of the plan"

@@ -14,7 +14,7 @@ import numpy as np
 
 from fgenv.agents.policies.base import BasePolicy
 from fgenv.agents.policies.orca import OrcaPolicy
-from fgenv.agents.tracking.velocity_tracking import targets
+from fgenv.agents.tracking.path_targets import path_targets
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import View
 
@@ -67,8 +67,8 @@ class ResidualController(BasePolicy):
         near = (view.remaining < config.near)[..., None]
         if self._orca is not None:
             residual = np.where(near, 0.0, config.residual * outputs[..., :2])
-            return self._orca.toward(targets(view, observations), observations, residual)
+            return self._orca.toward(path_targets(view, observations), observations, residual)
         if config.residual > 0:
-            base = np.clip(view.toward(targets(view, observations)), -1.0, 1.0)
+            base = np.clip(view.toward(path_targets(view, observations)), -1.0, 1.0)
             outputs = np.clip(base + config.residual * outputs, -1.0, 1.0)
         return np.where(near, view.toward(view.goals), outputs) if config.near > 0 else outputs

@@ -12,36 +12,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.agents.tracking.waypoint_tracking import way_points as led
 from fgenv.arrays import Floats
 from fgenv.planners import Plan, PlanningError, Problem, certify
 from fgenv.planners.planning import plan as plan_all
-from fgenv.robots import Car, MobileManipulator, Robot
-from fgenv.robots.inverse_drive import changes
+from fgenv.robots import Robot
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.schema import RobotSpec
 
 TRIES = 8  # seeds
 INSIDE = 1e-9  # meters, for rounding
-
-
-def slack(robot: Robot) -> float:
-    """Meters that a robot which does as it is told may be off its course.
-
-    A car goes on arcs, its plan on their chords.
-    """
-    return 0.02 if is_car(robot) else 5e-4
-
-
-def late(robot: Robot) -> float:
-    """Meters that it is off its course by where it is held up; a car cannot go sideways to it."""
-    return 0.1 if is_car(robot) else 5e-4
-
-
-def is_car(robot: Robot) -> bool:
-    """Whether its base is a car's."""
-    drive = robot.drive
-    return isinstance(drive.platform if isinstance(drive, MobileManipulator) else drive, Car)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +75,7 @@ def cut(model: Robot, spec: RobotSpec, q: Floats, goal: Floats) -> Floats:
 
 def arrived(model: Robot, spec: RobotSpec, q: Floats, goal: Floats) -> NDArray[np.bool_]:
     """Whether configurations (k, nq) are at the goal as the simulator sees it, (k,)."""
-    off = np.abs(changes(model, q, np.broadcast_to(goal, q.shape).copy()))
+    off = np.abs(model.difference(q, np.broadcast_to(goal, q.shape)))
     far, turn = spec.goal_tolerance.position, spec.goal_tolerance.angle
     n = len(model.moving_joints)
     base, joints = off[:, : off.shape[1] - n], off[:, off.shape[1] - n :]
@@ -152,7 +131,11 @@ def fault(problem: Problem, course: Course, way_points: bool = False) -> str | N
     for name, model, q in zip(problem.names, problem.models, course.configurations, strict=True):
         if ((q < model.lower - INSIDE) | (q > model.upper + INSIDE)).any():
             return f"{name} swings out of the workspace on its way; give it more room"
-        if way_points and not led(model, q[:-1], q[1:], problem.dt, 1.0)[1].all():
+        drive = model.required_drive
+        if (
+            way_points
+            and not drive.tracking_waypoint(model, q[:-1], q[1:], problem.dt, 1.0)[1].all()
+        ):
             return f"{name} backs up, which way points do not; take actions='drive'"
     if not certify(problem, course.configurations):
         return (
@@ -168,7 +151,9 @@ def careful(scenario: Scenario, seed: int) -> Problem:
     With none, where starts or goals are nearer than that to anything.
     """
     problem = Problem.of(scenario, 0.0, seed)
-    wide = replace(problem, margin=2 * max(slack(robot) for robot in problem.models))
+    wide = replace(
+        problem, margin=2 * max(r.required_drive.base_drive.tracking_error for r in problem.models)
+    )
     try:
         wide.check()
     except PlanningError:

@@ -12,8 +12,7 @@ import numpy as np
 from fgenv import _core
 from fgenv.arrays import Flags, Floats, Ints
 from fgenv.collision import World
-from fgenv.robots.footprint import discs_of, enclosing, is_long, sides_of
-from fgenv.robots.limits import reaches
+from fgenv.robots.footprint import enclosing_discs, enclosing_radius, footprint_size, is_elongated
 
 from .state_readers import MOVING, PARKED
 
@@ -77,9 +76,9 @@ class Guide:
                     f"path: {robot.name!r} has no planar base, or no workspace; expected 'straight'"
                 )
         self._simulator = simulator
-        self._discs = [discs_of(robot) for robot in simulator.robots]
+        self._discs = [enclosing_discs(robot) for robot in simulator.robots]
         self._room = [
-            float(reaches(robot)[robot.root]) - enclosing(robot) if len(centers) == 1 else 0.0
+            float(robot.reach[robot.root]) - enclosing_radius(robot) if len(centers) == 1 else 0.0
             for robot, (centers, _) in zip(simulator.robots, self._discs, strict=True)
         ]
         models = [robot.model for robot in simulator.scenario.robots]
@@ -201,13 +200,13 @@ class Guide:
 
     def _priced(self, alone: World, i: int) -> Grid:
         robot, radius = self._simulator.robots[i], self._reach(i) + self._room[i]
-        room, margin = np.asarray(robot.workspace), NARROW * 0.5 * min(sides_of(robot))
+        room, margin = np.asarray(robot.workspace), NARROW * 0.5 * min(footprint_size(robot))
         side = max(FINE * radius, float(np.ptp(room, axis=0).max()) / MOST)
         counts = np.maximum(1, np.floor(np.ptp(room, axis=0) / side).astype(int))
         low = room[0] + 0.5 * (np.ptp(room, axis=0) - (counts - 1) * side)
         grid = Grid(np.empty((HEADINGS, *counts)), low, side)
         at = np.stack(np.meshgrid(grid.axis(0), grid.axis(1), indexing="ij"), axis=-1)
-        turns = is_long(robot)
+        turns = is_elongated(robot)
         me: Any = None
         for k in range(HEADINGS if turns else HEADINGS // 2):
             yaw = np.full((*counts, 1), k * (2 * math.pi / HEADINGS))

@@ -11,30 +11,11 @@ import numpy as np
 from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.collision import World
-from fgenv.robots import (
-    Car,
-    DifferentialDrive,
-    Drive,
-    Drone,
-    Holonomic,
-    JointVelocity,
-    MobileManipulator,
-    Robot,
-)
-from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
 from fgenv.scenarios.drive_specs import Lidar
 
 from .cases import Cases
 from .observations import Observation
-
-KINDS: dict[type[Drive], str] = {
-    Holonomic: "holonomic",
-    DifferentialDrive: "differential",
-    Car: "car",
-    Drone: "drone",
-    JointVelocity: "none",
-}
 
 
 def agents(world: World, built: Built, cases: Cases, observation: Observation) -> list[_core.Agent]:
@@ -51,43 +32,33 @@ def agents(world: World, built: Built, cases: Cases, observation: Observation) -
     for i, robot in enumerate(built.robots):
         spec = built.scenario.robots[i]
         lidar = lidar_of(built.scenario.models[spec.model].lidar, observation)
-        kind, wheelbase = drive_of(robot)
+        if robot.drive is None:
+            raise ValueError(
+                f"robot: got {robot.name!r} without a drive, expected one; give its model one to"
+                " simulate it"
+            )
+        drive = robot.drive.base_drive
         if not sees and lidar is None:
             raise ValueError(f"observation: {robot.name!r} observes nothing, expected one part on")
         found.append(
             _core.Agent(
                 world._core,
                 int(world.parts(built.groups[i][0])[0]),
-                kind,
-                wheelbase,
+                drive.native_kind,
+                (drive.native_parameters() or (1.0,))[0],
                 np.array([(a.low, a.high, a.rate) for a in robot.actions]).reshape(-1, 3),
                 robot.lower,
                 robot.upper,
                 cases.starts[i],
                 cases.goals[i],
                 (spec.goal_tolerance.position, spec.goal_tolerance.angle),
-                reaches(robot)[robot.root],
+                robot.reach[robot.root],
                 lidar.range if lidar else 0.0,
                 np.array(lidar.position if lidar else (0.0, 0.0, 0.0)),
                 directions(lidar) if lidar else np.empty((0, 3)),
             )
         )
     return found
-
-
-def drive_of(robot: Robot) -> tuple[str, float]:
-    """The kind of a robot's drive as the core names it, and a car's wheelbase."""
-    drive = robot.drive
-    if drive is None:
-        raise ValueError(f"robot {robot.name!r} has no drive, give its model one to simulate it")
-    if isinstance(drive, MobileManipulator):
-        drive = drive.platform
-    if type(drive) not in KINDS:
-        known = ", ".join(kind.__name__ for kind in KINDS)
-        raise ValueError(
-            f"robot {robot.name!r}: a {type(drive).__name__} is not simulated, expected {known}"
-        )
-    return KINDS[type(drive)], drive.wheelbase if isinstance(drive, Car) else 1.0
 
 
 def lidar_of(own: Lidar | None, observation: Observation) -> Lidar | None:

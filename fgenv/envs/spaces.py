@@ -14,9 +14,8 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv.arrays import Floats
-from fgenv.robots.limits import reaches
 
-from .native_config import drive_of, lidar_of
+from .native_config import lidar_of
 from .observations import Part
 from .state_readers import MOVING
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
 Bounds = tuple[Floats, Floats]
 
 SLACK = 1e-5  # of bounds: single precision rounds, a quaternion is nearly of length 1
-STRAIGHT = {"none": 0, "holonomic": 2, "differential": 1, "car": 1, "drone": 3}  # of a drive's
 
 
 def action_box(simulator: Simulator, robot: int) -> Box:
@@ -127,7 +125,7 @@ def neighbors(simulator: Simulator, i: int, size: int) -> Floats:
     others = range(simulator.n_robots)
     far = way = extent(simulator)
     fast = speed(simulator, i) + max(speed(simulator, j) for j in others)
-    radius = max(reaches(robot)[robot.root] for robot in simulator.robots)
+    radius = max(robot.reach[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
     seen, closest = simulator.observation, 1.0
     if seen.neighbor_range is not None:  # a direction, and all times the closeness
@@ -144,8 +142,7 @@ def flat(simulator: Simulator) -> bool:
 def speed(simulator: Simulator, i: int) -> float:
     """How fast robot i's base may go, m/s."""
     robot = simulator.robots[i]
-    n = STRAIGHT[drive_of(robot)[0]]
-    return float(np.linalg.norm([max(-a.low, a.high, 0.0) for a in robot.actions[:n]]))
+    return robot.required_drive.base_drive.max_speed(robot)
 
 
 def extent(simulator: Simulator) -> float:

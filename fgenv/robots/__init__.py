@@ -15,9 +15,12 @@ from .drives import (
     Holonomic,
     JointVelocity,
     MobileManipulator,
+    Platform,
+    Steering,
 )
+from .kinematic_tree import LinkMotion, Part
 from .links_joints import Joint, Link, LinkShape, Mimic
-from .robot import LinkMotion, Part, Robot
+from .robot import Robot
 
 __all__ = [
     "Action",
@@ -34,5 +37,7 @@ __all__ = [
     "Mimic",
     "MobileManipulator",
     "Part",
+    "Platform",
     "Robot",
+    "Steering",
 ]

@@ -1,57 +1,54 @@
-"""What robots on planar bases take of the plane."""
+"""Footprints of robots on planar bases: vertices, sides, enclosing discs."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fgenv.arrays import Floats
 
-from .limits import reaches
+from .kinematic_tree import KinematicTree
 
-if TYPE_CHECKING:
-    from .robot import Robot
-
-
-LONG = 1.5  # times as long as wide: who is has to turn with its path
+ELONGATED = 1.5  # length over width from which a robot has to align with its path
 
 
-def footprint(robot: Robot) -> Floats:
+def footprint(robot: KinematicTree) -> Floats:
     """Vertices (k, 2) of a robot's root link in its own frame, meters."""
-    found = [p.shape.vertices @ p.origin[:2, :3].T + p.origin[:2, 3] for p in robot.links[0].shapes]
-    return np.concatenate(found) if found else np.zeros((1, 2))
+    vertices = [
+        p.shape.vertices @ p.origin[:2, :3].T + p.origin[:2, 3] for p in robot.links[0].shapes
+    ]
+    return np.concatenate(vertices) if vertices else np.zeros((1, 2))
 
 
-def sides_of(robot: Robot) -> Floats:
+def footprint_size(robot: KinematicTree) -> Floats:
     """Length and width of a robot's root link in its own frame, meters, (2,)."""
-    sides: Floats = np.ptp(footprint(robot), axis=0)
-    return sides
+    size: Floats = np.ptp(footprint(robot), axis=0)
+    return size
 
 
-def is_long(robot: Robot) -> bool:
-    """Whether a robot has to look along its path to get through where it is narrow."""
-    short, long = sorted(sides_of(robot))
-    return bool(long > LONG * short)
+def is_elongated(robot: KinematicTree) -> bool:
+    """Whether a robot has to align with its path to pass a narrow passage."""
+    short, long = sorted(footprint_size(robot))
+    return bool(long > ELONGATED * short)
 
 
-def enclosing(robot: Robot) -> float:
-    """Radius of the disc about a planar base's origin that encloses the robot, meters."""
+def enclosing_radius(robot: KinematicTree) -> float:
+    """Radius of the disc around a planar base's origin that encloses the robot, meters."""
     if any(link.shapes for link in robot.links[1:]):
-        return float(reaches(robot)[robot.root])
+        return float(robot.reach[robot.root])
     return math.sqrt(float((footprint(robot) ** 2).sum(axis=1).max()))
 
 
-def discs_of(robot: Robot) -> tuple[Floats, float]:
-    """Discs that hold a robot: where their centers are ahead of its base, and their radius, meters.
+def enclosing_discs(robot: KinematicTree) -> tuple[Floats, float]:
+    """Centers of discs that enclose a robot, as distances along its x axis, and their radius (m).
 
-    A row of them for one link that is long ahead, else one about the base.
+    Several discs for a robot of one link that is elongated along x, else one around the base.
     """
     (back, right), (front, left) = footprint(robot).min(axis=0), footprint(robot).max(axis=0)
     length, width = front - back, 2.0 * max(left, -right)
-    if any(link.shapes for link in robot.links[1:]) or not length > LONG * width > 0:
-        return np.zeros(1), enclosing(robot)
+    if any(link.shapes for link in robot.links[1:]) or not length > ELONGATED * width > 0:
+        return np.zeros(1), enclosing_radius(robot)
     n = math.ceil(length / width)
     centers: Floats = back + length / n * (np.arange(n) + 0.5)
     return centers, 0.5 * math.hypot(length / n, width)

@@ -1,4 +1,4 @@
-"""What a robot is made of: links with shapes, and joints between them."""
+"""Links with shapes, and joints between them."""
 
 from __future__ import annotations
 
@@ -15,38 +15,42 @@ from fgenv.collision import Shape
 from fgenv.collision.feature_graph import is_number
 
 JOINT_KINDS = ("fixed", "revolute", "continuous", "prismatic")
-MOST = 1e5  # radians or meters: what a joint's value may be, either way
+MAX_VALUE = 1e5  # radians or meters: bound of the magnitude of a joint's coordinate
 
 
 def as_pose(value: ArrayLike | None, name: str) -> Floats:
-    """A rigid motion (4, 4), read-only; the identity for None. ValueError says what is wrong."""
+    """A rigid transform (4, 4), read-only; the identity for None.
+
+    Raises:
+        ValueError: the value is no rigid transform.
+    """
     pose = np.array(np.eye(4) if value is None else value, dtype=np.float64)
     if pose.shape != (4, 4):
-        raise ValueError(f"{name}: shape {pose.shape}, expected a pose (4, 4)")
+        raise ValueError(f"{name}: got shape {pose.shape}, expected a pose (4, 4)")
     if not np.isfinite(pose).all():
-        raise ValueError(f"{name}: not finite, expected a pose")
+        raise ValueError(f"{name}: got numbers that are not finite, expected a pose")
     turn = pose[:3, :3]
     rigid = (pose[3] == (0, 0, 0, 1)).all() and np.linalg.det(turn) > 0
     if not rigid or np.abs(turn.T @ turn - np.eye(3)).max() > 1e-5:
-        raise ValueError(f"{name}: not a rigid motion, expected rotation and translation alone")
+        raise ValueError(f"{name}: got no rigid transform, expected a rotation and a translation")
     return locked(pose)
 
 
 def locked(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The array, read-only from here on."""
+    """Make an array read-only, and return it."""
     array.setflags(write=False)
     return array
 
 
 def name_of(value: object, what: str) -> str:
-    """A name that says something."""
+    """Check that a value is a string that is not empty."""
     if not isinstance(value, str) or not value:
         raise ValueError(f"{what}: got {value!r}, expected a name")
     return value
 
 
 def number_of(value: Any, name: str, low: float = -math.inf, finite: bool = False) -> float:
-    """A number that is not NaN and not below `low`."""
+    """Check that a value is a number, not NaN and not below `low`."""
     if not is_number(value) or math.isnan(value) or value < low or (finite and math.isinf(value)):
         least = "" if low == -math.inf else f", {low:g} or more"
         raise ValueError(
@@ -62,8 +66,8 @@ class LinkShape:
     Attributes:
         shape: the mesh.
         origin: (4, 4), from the shape's frame to the link's, meters.
-        excess: meters: where the mesh stands for a cylinder or sphere, it lies outside of it, at
-            most this far.
+        excess: upper bound of the distance from a cylinder or sphere to its enclosing mesh, meters;
+            0 for other shapes.
     """
 
     shape: Shape
@@ -82,7 +86,7 @@ class Link:
 
     Attributes:
         name: unique in the robot.
-        shapes: any number; each stays a shape of its own. A Shape alone sits at the link's frame.
+        shapes: any number; each stays a separate shape. A lone Shape is placed at the link's frame.
     """
 
     name: str
@@ -102,9 +106,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another one: multiplier * value of `joint` + offset.
+    """Coordinate of a joint as a function of another: multiplier * coordinate of `joint` + offset.
 
-    Limits are those of the joint that it follows; its own are not looked at.
+    The limits of the other joint hold; its own limits are ignored.
     """
 
     joint: str
@@ -115,24 +119,27 @@ class Mimic:
         name_of(self.joint, "mimic")
         for what in ("multiplier", "offset"):
             value = number_of(getattr(self, what), f"mimic of {self.joint!r}: {what}", finite=True)
-            if abs(value) > MOST:
-                raise ValueError(f"mimic of {self.joint!r}: {what} {value:g}, over {MOST:g}")
+            if abs(value) > MAX_VALUE:
+                raise ValueError(
+                    f"mimic of {self.joint!r}: {what}: got {value:g}, expected at most"
+                    f" {MAX_VALUE:g}"
+                )
 
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """What carries a link, seen from another.
+    """Connection of a link to its parent.
 
     Attributes:
         name: unique in the robot.
-        kind: `fixed`, `revolute` (bounded), `continuous` (turns without end) or `prismatic`.
+        kind: `fixed`, `revolute` (with limits), `continuous` (unbounded angle) or `prismatic`.
         parent, child: names of links.
-        origin: (4, 4), the joint's frame in the parent's, meters; the child's at value 0.
+        origin: (4, 4), the joint's frame in the parent's, meters: the child's frame at 0.
         axis: (3,), of any length but 0, in the joint's frame.
-        lower, upper: limits of the value, radians or meters; infinite where there are none. A
-            `continuous` joint goes round and has none.
-        velocity, acceleration: limits of the rate, per second and per second squared.
-        mimic: follows another joint and has no value of its own.
+        lower, upper: limits of the coordinate, radians or meters; infinite: none. A `continuous`
+            joint has none.
+        velocity, acceleration: limits of speed and acceleration, per second and per second squared.
+        mimic: the joint follows another one and has no coordinate of its own.
     """
 
     name: str
@@ -151,27 +158,31 @@ class Joint:
         label = f"joint {name_of(self.name, 'joint')!r}"
         if self.kind not in JOINT_KINDS:
             raise ValueError(
-                f"{label}: kind {self.kind!r}, expected one of {', '.join(JOINT_KINDS)}"
+                f"{label}: kind: got {self.kind!r}, expected one of {', '.join(JOINT_KINDS)}"
             )
         name_of(self.parent, f"{label}: parent")
         name_of(self.child, f"{label}: child")
         object.__setattr__(self, "origin", as_pose(self.origin, f"{label}: origin"))
         axis = np.array(self.axis, dtype=np.float64)
         if axis.shape != (3,) or not np.isfinite(axis).all() or (self.moves and not axis.any()):
-            raise ValueError(f"{label}: axis {self.axis}, expected three numbers, not all 0")
+            raise ValueError(f"{label}: axis: got {self.axis}, expected three numbers, not all 0")
         object.__setattr__(self, "axis", locked(axis))
         for what in ("lower", "upper"):
             number_of(getattr(self, what), f"{label}: {what}")
         for what in ("velocity", "acceleration"):
             number_of(getattr(self, what), f"{label}: {what}", 0.0)
         if self.lower > self.upper:
-            raise ValueError(f"{label}: lower {self.lower:g} is over upper {self.upper:g}")
+            raise ValueError(
+                f"{label}: got lower {self.lower:g} over upper {self.upper:g}, expected no more"
+            )
         if self.mimic is not None and not self.moves:
-            raise ValueError(f"{label}: fixed, and yet mimics {self.mimic.joint!r}")
+            raise ValueError(
+                f"{label}: got mimic of {self.mimic.joint!r} for a fixed joint, expected None"
+            )
 
     @property
     def moves(self) -> bool:
-        """Whether it is not fixed."""
+        """Whether the joint is not fixed."""
         return self.kind != "fixed"
 
     def __repr__(self) -> str:

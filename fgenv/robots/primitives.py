@@ -1,7 +1,8 @@
-"""Boxes, cylinders and spheres as meshes that lie outside of them.
+"""Meshes of boxes, cylinders and spheres; round shapes are enclosed by their meshes.
 
-A verdict 'free' must not be wrong, so a round form is enclosed, never inscribed. All lengths are
-meters, all meshes closed. Sines come from the native core: the same mesh on every machine.
+A 'free' verdict must hold for the exact shape, so that meshes are circumscribed, never inscribed.
+Lengths are meters, meshes are closed. Sines come from the native core, so that a mesh is the same
+on every machine.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from fgenv.collision import Shape
 from .links_joints import number_of
 
 ERROR = 1e-3  # meters
-FEWEST_SIDES, MOST_SIDES = 8, 256  # of a cylinder
-MOST_HALVINGS = 5  # of an icosahedron's edges: 80 to 20,480 faces
-OUTWARD = 1 + 1e-12  # more than rounding takes back
+MIN_SIDES, MAX_SIDES = 8, 256  # of a cylinder
+MAX_SUBDIVISIONS = 5  # of an icosahedron: 80 to 20,480 faces
+OUTWARD = 1 + 1e-12  # exceeds the rounding error
 
 
 def box(size: ArrayLike, name: str = "box", **options: Any) -> Shape:
-    """A box with edges (3,) along the axes, its middle at the origin; `options` of Shape."""
+    """A box with edges (3,) along the axes, centered at the origin; `options` of Shape."""
     edges = np.array(size, dtype=np.float64)
     if edges.shape != (3,) or not (np.isfinite(edges).all() and (edges > 0).all()):
-        raise ValueError(f"{name}: size {size!r}, expected three lengths over 0")
+        raise ValueError(f"{name}: size: got {size!r}, expected three lengths over 0")
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
@@ -38,16 +39,17 @@ def box(size: ArrayLike, name: str = "box", **options: Any) -> Shape:
 def cylinder(
     radius: float, length: float, error: float = ERROR, name: str = "cylinder", **options: Any
 ) -> tuple[Shape, float]:
-    """A prism around a cylinder about z, its middle at the origin; and how far it sticks out.
+    """A prism around a cylinder along z, centered at the origin, and its excess (m).
 
     Args:
-        radius, length: over 0.
-        error: how far it may stick out; with 256 sides it is as round as it gets.
+        radius, length: meters, over 0.
+        error: upper bound of the excess, meters, unless that needs more than 256 sides.
+        name: of the shape.
         options: of Shape.
     """
     radius, length = _length(radius, f"{name}: radius"), _length(length, f"{name}: length")
     error = _length(error, f"{name}: error")
-    for sides in range(FEWEST_SIDES, MOST_SIDES + 1, 4):
+    for sides in range(MIN_SIDES, MAX_SIDES + 1, 4):
         _, cosine = _core.sin_cos(math.pi / sides)
         outer = radius / float(cosine) * OUTWARD
         if outer - radius <= error:
@@ -70,17 +72,18 @@ def cylinder(
 def sphere(
     radius: float, error: float = ERROR, name: str = "sphere", **options: Any
 ) -> tuple[Shape, float]:
-    """A polyhedron around a sphere at the origin; and how far it sticks out.
+    """A polyhedron around a sphere at the origin, and its excess (m).
 
     Args:
-        radius: over 0.
-        error: how far it may stick out; with 20,480 faces it is as round as it gets.
+        radius: meters, over 0.
+        error: upper bound of the excess, meters, unless that needs more than 20,480 faces.
+        name: of the shape.
         options: of Shape.
     """
     radius, error = _length(radius, f"{name}: radius"), _length(error, f"{name}: error")
     vertices, faces = _icosahedron()
-    for _ in range(MOST_HALVINGS):
-        vertices, faces = _halved(vertices, faces)
+    for _ in range(MAX_SUBDIVISIONS):
+        vertices, faces = _subdivided(vertices, faces)
         a, b, c = (vertices[faces[:, k]] for k in range(3))
         normals = np.cross(b - a, c - a)
         nearest = np.min(_dot(normals, a) / np.sqrt(_dot(normals, normals)))
@@ -122,8 +125,8 @@ def _icosahedron() -> tuple[Vertices, Faces]:
     return _on_sphere(np.array(corners, dtype=np.float64)), np.array(faces)
 
 
-def _halved(vertices: Vertices, faces: Faces) -> tuple[Vertices, Faces]:
-    """Every face in four, the new vertices on the sphere."""
+def _subdivided(vertices: Vertices, faces: Faces) -> tuple[Vertices, Faces]:
+    """Each face split into four, with the new vertices on the sphere."""
     n = len(vertices)
     a, b, c = faces.T
     edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)

@@ -255,7 +255,7 @@ def check(document: Any, path: Path) -> None:
                 fail(item, f"link {link.get('name')!r}: mesh without filename")
 
 
-def allowed_in(srdf: str | Path, links: Iterable[Link]) -> list[tuple[str, str]]:
+def disabled_collisions(srdf: str | Path, links: Iterable[Link]) -> list[tuple[str, str]]:
     """Pairs of links whose collisions an SRDF file disables; pairs of others are passed by."""
     path = Path(srdf)
     if not path.is_file():

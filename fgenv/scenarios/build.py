@@ -122,7 +122,7 @@ def model_of(scenario: Scenario, model: Model) -> Robot:
     path = urdf_path(model.urdf, scenario.folder)
     srdf = None if model.srdf is None else urdf_path(model.srdf, scenario.folder, "srdf")
     robot = Robot.from_urdf(path, base, drive=drive, workspace=space, srdf=srdf)
-    return robot.allowing(model.allowed)
+    return robot.with_allowed_collisions(model.allowed)
 
 
 def robot_of(model: Robot, spec: RobotSpec) -> Robot:

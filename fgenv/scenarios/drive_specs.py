@@ -1,105 +1,88 @@
-"""Drives and sensors as a scenario file writes them."""
+"""Drives and sensors in scenario files: one model per registered drive, made from its fields."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from dataclasses import MISSING, fields, is_dataclass
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_type_hints
 
-from pydantic import Field
+from pydantic import Field, create_model
 
-from fgenv import robots
+from fgenv.robots import Drive
+from fgenv.robots.drives import DRIVES
+from fgenv.robots.drives.base import DrivePart
 from fgenv.scenarios.shapes.base import Spec, meters, quantity
 
-
-def limit(unit: str, about: str, default: Any = ...) -> Any:
-    """A limit over 0; None, where it may be left out, is no limit."""
-    return quantity(unit, about, default, gt=0, le=1e6)
+MAX_LIMIT = 1e6  # m/s, rad/s, m/s^2, rad/s^2
 
 
 class DriveSpec(Spec):
-    """What all drives have."""
+    """Base class of drives in scenario files."""
 
-    made: ClassVar[type[robots.Drive]]
+    drive_class: ClassVar[type[Drive]]
+    kind: str
 
-    def build(self) -> robots.Drive:
+    @staticmethod
+    def of(drive: Drive) -> DriveSpec:
+        """The spec of a drive; its defaults are left out."""
+        given: dict[str, Any] = {"kind": drive.kind}
+        for item in fields(drive):  # type: ignore[arg-type]
+            value = getattr(drive, item.name)
+            if value != item.default:
+                given[item.name] = DriveSpec.of(value) if is_dataclass(value) else value  # type: ignore[arg-type]
+        return SPECS[type(drive)](**given)
+
+    def build(self) -> Drive:
         """The drive of `fgenv.robots`."""
-        return self.made(**self.model_dump(exclude={"kind"}, exclude_none=True))
+        given = {name: value for name, value in self if name != "kind" and value is not None}
+        parts = {k: v.build() if isinstance(v, DriveSpec) else v for k, v in given.items()}
+        return self.drive_class(**parts)
 
 
-class Holonomic(DriveSpec):
-    """Moves and turns at once, any way; planar base."""
-
-    made = robots.Holonomic
-    kind: Literal["holonomic"]
-    speed: float = limit("m/s", "Along each axis of the body")
-    turn_rate: float = limit("rad/s", "Yaw rate")
-    acceleration: float | None = limit("m/s^2", "Change of speed", None)
-    turn_acceleration: float | None = limit("rad/s^2", "Change of yaw rate", None)
-
-
-class Differential(DriveSpec):
-    """Two wheels on one axle through the origin; planar base."""
-
-    made = robots.DifferentialDrive
-    kind: Literal["differential"]
-    speed: float = limit("m/s", "Forwards")
-    turn_rate: float = limit("rad/s", "Yaw rate")
-    acceleration: float | None = limit("m/s^2", "Change of speed", None)
-    turn_acceleration: float | None = limit("rad/s^2", "Change of yaw rate", None)
-    reverse: float | None = limit("m/s", "Backwards; as forwards if left out", None)
+def _field(item: Any, hint: Any) -> tuple[Any, Any]:
+    """Type and default of a drive's field in the spec."""
+    if not hasattr(hint, "__metadata__"):  # a drive in a drive
+        specs = [spec for drive, spec in SPECS.items() if issubclass(drive, hint)]
+        default = ... if item.default is MISSING else DriveSpec.of(item.default)
+        return (_union(specs) if len(specs) > 1 else specs[0]), default
+    about = hint.__metadata__[0]
+    if item.default is not MISSING:  # None: no limit, or the default that the text describes
+        default = quantity(about.unit, about.about, None, gt=0, le=MAX_LIMIT)
+        return float | None, default
+    if about.unit == "m":
+        return float, meters(about.about)
+    return float, quantity(about.unit, about.about, gt=0, le=MAX_LIMIT)
 
 
-class Car(DriveSpec):
-    """Ackermann steering, the origin at the rear axle; planar base."""
-
-    made = robots.Car
-    kind: Literal["car"]
-    wheelbase: float = meters("Between the axles")
-    min_turning_radius: float = meters("Of the circle that the origin goes on")
-    speed: float = limit("m/s", "Forwards")
-    acceleration: float | None = limit("m/s^2", "Change of speed", None)
-    steering_rate: float | None = limit("rad/s", "Change of the steering angle", None)
-    reverse: float | None = limit("m/s", "Backwards; as forwards if left out", None)
-
-
-class Drone(DriveSpec):
-    """A multicopter under velocity control, level; free base."""
-
-    made = robots.Drone
-    kind: Literal["drone"]
-    speed: float = limit("m/s", "Along the body's x and y")
-    turn_rate: float = limit("rad/s", "Yaw rate")
-    acceleration: float | None = limit("m/s^2", "Change of speed", None)
-    turn_acceleration: float | None = limit("rad/s^2", "Change of yaw rate", None)
-    climb: float | None = limit("m/s", "Along z; as speed if left out", None)
+def _spec(drive: type[Drive]) -> type[DriveSpec]:
+    hints = get_type_hints(drive, include_extras=True)
+    about: dict[str, Any] = {}
+    for item in fields(drive):  # type: ignore[arg-type]
+        about[item.name] = _field(item, hints[item.name])
+    kind: Any = Literal[drive.kind]
+    doc = (drive.__doc__ or "").partition("\n")[0]
+    made = create_model(drive.__name__, __base__=DriveSpec, __doc__=doc, kind=(kind, ...), **about)
+    made.drive_class = drive
+    return made
 
 
-class JointVelocity(DriveSpec):
-    """Every joint goes at the speed that is asked for, within its own limits."""
-
-    made = robots.JointVelocity
-    kind: Literal["joint_velocity"]
-    speed: float | None = limit("rad/s or m/s", "Of every joint", None)
-    acceleration: float | None = limit("rad/s^2 or m/s^2", "Of every joint", None)
+def _union(specs: list[type[DriveSpec]]) -> Any:
+    return Annotated[reduce(or_, specs), Field(discriminator="kind")]
 
 
-class MobileManipulator(DriveSpec):
-    """A base with a drive, and joints on it."""
+SPECS: dict[type[Drive], type[DriveSpec]] = {}
+for _drive in sorted(  # drives that contain others last
+    DRIVES.values(), key=lambda drive: not issubclass(drive, DrivePart)
+):
+    SPECS[_drive] = _spec(_drive)
+    globals()[_drive.__name__] = SPECS[_drive]  # for pickle
 
-    kind: Literal["mobile_manipulator"]
-    platform: Annotated[Holonomic | Differential | Car | Drone, Field(discriminator="kind")]
-    joints: JointVelocity = JointVelocity(kind="joint_velocity")
-
-    def build(self) -> robots.Drive:
-        joints = self.joints.build()
-        assert isinstance(joints, robots.JointVelocity)
-        return robots.MobileManipulator(self.platform.build(), joints)
-
-
-AnyDrive = Annotated[
-    Holonomic | Differential | Car | Drone | JointVelocity | MobileManipulator,
-    Field(discriminator="kind"),
-]
+if TYPE_CHECKING:
+    AnyDrive = DriveSpec
+else:
+    AnyDrive = _union(list(SPECS.values()))
 
 
 class Lidar(Spec):

@@ -12,7 +12,7 @@ are invalid; `Setup.solve` raises it once the planner has returned.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from ompl import base as ob
@@ -21,7 +21,7 @@ from fgenv import _core
 from fgenv.collision import World
 from fgenv.collision.world import Body
 from fgenv.planners.checker import joint_checker
-from fgenv.planners.steering import Steering
+from fgenv.robots import Robot, Steering
 
 from .spaces import StateLayout, Subspace, state_space, subspaces
 from .states import serializer
@@ -40,7 +40,7 @@ class StateValidityChecker(ob.StateValidityChecker):  # type: ignore[misc]
         robot: id or name in the world, or a sequence of them for a joint space.
         world: world of the robot and the obstacles; it may change during a search.
         margin: meters.
-        steering: see `Steering.of`; the drive's default if None.
+        steering: see `Robot.steering`; the drive's default if None.
     """
 
     def __init__(
@@ -134,10 +134,10 @@ def space_checker(
 
 def _layout(world: World, body: Body, steering: str | None) -> StateLayout | None:
     """StateLayout of a robot's states; None for a body without a robot model."""
-    model = world.record(body).robot
+    model = cast(Robot | None, world.record(body).robot)
     if model is None and steering not in (None, "straight"):
         raise ValueError(f"steering: got {steering!r}, expected 'straight' for a body, or None")
-    return None if model is None else StateLayout(model, Steering.of(model, steering))  # type: ignore[arg-type]
+    return None if model is None else StateLayout(model, model.steering(steering))
 
 
 def _sizes(layouts: Sequence[StateLayout | None], given: list[Subspace]) -> list[int]:

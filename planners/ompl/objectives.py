@@ -7,8 +7,7 @@ from typing import Any
 
 from ompl import base as ob
 
-from fgenv.planners.steering import legs
-from fgenv.planners.timing import amounts_of, seconds
+from fgenv.planners.timing import full_speed_time, leg_limits
 
 from .setup import Setup
 from .spaces import configurations_of
@@ -65,7 +64,7 @@ class TimeObjective(ob.OptimizationObjective):  # type: ignore[misc]
         slowest = 0.0
         ends = (configurations_of(self._layouts, self._read(state)) for state in (a, b))
         for layout, q0, q1 in zip(self._layouts, *ends, strict=True):
-            rows = legs(layout.robot, q0, q1, layout.steering.way)
-            amounts = [amounts_of(layout.robot, *leg, self._dt) for leg in pairwise(rows)]
-            slowest = max(slowest, sum(map(seconds, amounts)))
+            rows = layout.robot.steer(q0, q1, layout.steering.method)
+            limits = [leg_limits(layout.robot, *leg, self._dt) for leg in pairwise(rows)]
+            slowest = max(slowest, sum(map(full_speed_time, limits)))
         return ob.Cost(slowest)

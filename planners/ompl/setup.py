@@ -12,7 +12,6 @@ from ompl import geometric as og
 from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.planners.problem import Problem
-from fgenv.planners.steering import Steering
 
 from .checkers import MotionValidator, StateValidityChecker
 from .spaces import StateLayout, configurations_of, joint_space, state_space
@@ -41,7 +40,7 @@ class Setup(og.SimpleSetup):  # type: ignore[misc]
     ) -> None:
         self.problem, self.robots, self.world = problem, tuple(robots), world
         models = [problem.models[i] for i in robots]
-        self.layouts = [StateLayout(model, Steering.of(model, steering)) for model in models]
+        self.layouts = [StateLayout(model, model.steering(steering)) for model in models]
         super().__init__(problem_space(problem, self.layouts))
         si = self.getSpaceInformation()
         names, margin = [problem.names[i] for i in robots], problem.margin

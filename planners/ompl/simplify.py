@@ -8,7 +8,6 @@ import numpy as np
 from ompl import geometric as og
 
 from fgenv.arrays import Floats
-from fgenv.planners.steering import legs
 
 from .setup import Setup
 
@@ -24,7 +23,7 @@ def simplified(made: Setup, states: Floats) -> Floats:
     """
     simplifier = og.PathSimplifier(made.getSpaceInformation())
     path = _path(made, states)
-    straight = all(layout.steering.way == "straight" for layout in made.layouts)
+    straight = all(layout.steering.method == "straight" for layout in made.layouts)
     for _ in range(ROUNDS):
         if straight:
             simplifier.ropeShortcutPath(path)
@@ -57,7 +56,7 @@ def steered(made: Setup, states: Floats) -> tuple[Floats, ...]:
     out: list[list[Floats]] = [[path[:1]] for path in paths]
     for k in range(len(states) - 1):
         edges = [
-            legs(layout.robot, path[k], path[k + 1], layout.steering.way)
+            layout.robot.steer(path[k], path[k + 1], layout.steering.method)
             for layout, path in zip(made.layouts, paths, strict=True)
         ]
         ends = np.unique(np.concatenate([np.arange(1, len(e)) / (len(e) - 1) for e in edges]))

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from ompl import base as ob
 
 from fgenv.arrays import Floats
-from fgenv.planners.steering import Steering, platform
-from fgenv.robots import Drone, Robot
+from fgenv.robots import Robot, Steering
 
 Subspace = tuple[str, int]  # its kind, such as "SE2", and its dimension
 Weighted = tuple[Any, float]  # a space, and its weight in a compound space
@@ -36,7 +35,7 @@ class StateLayout:
     @property
     def level(self) -> bool:
         """Whether the robot stays level."""
-        return self.robot.base == "free" and isinstance(platform(self.robot.drive), Drone)
+        return self.robot.drive is not None and self.robot.drive.base_drive.level
 
     @property
     def size(self) -> int:
@@ -128,18 +127,18 @@ def _base(layout: StateLayout, bounds: Floats | None) -> list[Weighted]:
         return [(real, 1.0), (ob.SO2StateSpace(), weight)]
     space = _pose_space(layout)
     space.setBounds(limits)
-    if layout.steering.way in ("straight", "turn_drive_turn"):
+    if not layout.steering.car_like:
         space.setSubspaceWeight(1, weight)
     return [(space, 1.0)]
 
 
 def _pose_space(layout: StateLayout) -> Any:
-    way, radius = layout.steering.way, layout.steering.radius
+    method, radius = layout.steering.method, layout.steering.radius
     if layout.robot.base == "free":
         return ob.SE3StateSpace()
-    if way == "dubins":
+    if method == "dubins":
         return ob.DubinsStateSpace(radius)
-    return ob.ReedsSheppStateSpace(radius) if way == "reeds_shepp" else ob.SE2StateSpace()
+    return ob.ReedsSheppStateSpace(radius) if method == "reeds_shepp" else ob.SE2StateSpace()
 
 
 def _joints(robot: Robot) -> list[Weighted]:

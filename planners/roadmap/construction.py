@@ -11,9 +11,8 @@ import numpy as np
 
 from fgenv.arrays import Floats, Ints
 from fgenv.planners.problem import Problem
-from fgenv.planners.steering import Steering, legs
 from fgenv.planners.timing import steps_of
-from fgenv.robots import Car, DifferentialDrive, Robot
+from fgenv.robots import Robot
 
 from .edge_check import EdgeCheck
 from .heading_roadmap import heading_roadmap
@@ -67,14 +66,14 @@ def _build_round(
     dt: float,
 ) -> Roadmap:
     """Roadmap with the ends (n, nq) and up to `max_positions` positions."""
-    if isinstance(robot.drive, DifferentialDrive) and robot.nq == 3:
+    if robot.steering().turns_in_place and robot.nq == 3:
         positions, reach = _positions(robot, ends, max_positions, rng, 2)
         pairs = neighbor_pairs(positions, reach, NEIGHBORS)
-        chains = bool(np.isfinite(robot.drive.acceleration))
+        chains = bool(np.isfinite(robot.actions[0].rate))  # stops take time
         return Roadmap(robot, *heading_roadmap(check, ends, positions, pairs, chains), dt)
     q = np.concatenate([ends, check.valid(_samples(robot, ends, max_positions, rng))])
     edges = _nearest(robot, q)
-    if Steering.of(robot).way == "straight":
+    if robot.steering().method == "straight":
         return Roadmap(robot, q, check.free_edges(q, edges), dt)
     edges, paths = _steered(check, robot, q, edges, dt)
     return Roadmap(robot, q, edges, dt, paths)
@@ -84,7 +83,7 @@ def _steered(
     check: EdgeCheck, robot: Robot, q: Floats, edges: Ints, dt: float
 ) -> tuple[Ints, list[Floats]]:
     """Edges along the steering that are free and in the workspace, and their timed paths."""
-    paths = [steps_of(robot, legs(robot, q[a], q[b]), dt) for a, b in edges.tolist()]
+    paths = [steps_of(robot, robot.steer(q[a], q[b]), dt) for a, b in edges.tolist()]
     inside = [bool(np.all(robot.valid(path))) for path in paths]  # arcs can leave the workspace
     edges, paths = edges[inside], [path for path, ok in zip(paths, inside, strict=True) if ok]
     free = check.free_paths(paths)
@@ -114,7 +113,7 @@ def _samples(robot: Robot, ends: Floats, max_positions: int, rng: np.random.Gene
     positions, _ = _positions(robot, ends, count, rng, d)
     positions = positions[len(np.unique(ends[:, :d], axis=0)) :]
     turns = ends[np.unique(np.round(ends[:, d:], 6), axis=0, return_index=True)[1], d:]
-    if isinstance(robot.drive, Car):
+    if robot.steering().car_like:
         turns = np.linspace(-np.pi, np.pi, 8, endpoint=False)[:, None]
     if len(turns) > 2:
         return np.concatenate([positions, turns[rng.integers(len(turns), size=len(positions))]], 1)
@@ -124,7 +123,7 @@ def _samples(robot: Robot, ends: Floats, max_positions: int, rng: np.random.Gene
 
 def _nearest(robot: Robot, q: Floats) -> Ints:
     """Directed edges (m, 2) between each of q (n, nq) and its nearest neighbors, both ways."""
-    gaps = np.asarray(robot.distance(q[:, None], q[None]))
+    gaps = np.asarray(robot.displacement_bound(q[:, None], q[None]))
     np.fill_diagonal(gaps, np.inf)
     near = np.argsort(gaps, axis=1, kind="stable")[:, :NEIGHBORS]
     out = np.stack([np.repeat(np.arange(len(q)), near.shape[1]), near.ravel()], axis=1)

@@ -38,7 +38,9 @@ class BoundingSpheres:
         parts = (poses[..., :3, :3] @ self._centers[..., None])[..., 0] + poses[..., :3, 3]
         center = 0.5 * (parts.min(1) + parts.max(1))
         extent = np.sqrt(((parts - center[:, None]) ** 2).sum(-1)) + self._radii
-        length = np.asarray(self.robot.distance(q0, q1))  # bound on a point's path; half per side
+        length = np.asarray(
+            self.robot.displacement_bound(q0, q1)
+        )  # bound on a point's path; half per side
         return center, extent.max(1) + (0.5 + ROUNDING) * length + ROUNDING
 
 

@@ -12,7 +12,7 @@ from fgenv.robots import Robot
 
 from .motion_table import MotionTable
 from .spatial_hash import RoadmapCells
-from .time_scaling import Pace
+from .time_scaling import TimeScaling
 
 INF = UNREACHABLE = 1 << 40  # steps
 
@@ -45,7 +45,7 @@ class Roadmap:
         self.robot, self.q, self.dt = robot, q, dt
         self._paths = None if paths is None else [paths[i] for i in order]
         self.tails, self.heads = edges[order, 0], edges[order, 1]
-        self.time_scaling = Pace(robot, dt)
+        self.time_scaling = TimeScaling(robot, dt)
         self.durations = [self._duration(e) for e in range(len(edges))]
         self._first_edge = np.searchsorted(self.tails, np.arange(len(q) + 1))
         self.successors = self._successors()
@@ -85,9 +85,11 @@ class Roadmap:
         a, b = self.tails, self.heads
         length = np.zeros(len(a))
         if self._paths is not None:
-            length = np.array([self.robot.distance(p[:-1], p[1:]).sum() for p in self._paths])
+            length = np.array(
+                [self.robot.displacement_bound(p[:-1], p[1:]).sum() for p in self._paths]
+            )
         elif len(a):
-            length = np.asarray(self.robot.distance(self.q[a], self.q[b]))
+            length = np.asarray(self.robot.displacement_bound(self.q[a], self.q[b]))
         return 0.5 * (center[a] + center[b]), 0.5 * (radius[a] + radius[b] + length)
 
     def first_motion(self, e: int) -> int:

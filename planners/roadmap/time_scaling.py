@@ -1,4 +1,4 @@
-"""How many steps a straight motion takes, and where on it a robot is at each of them."""
+"""Time scaling of a straight motion: the number of steps, and the fraction reached at each."""
 
 from __future__ import annotations
 
@@ -8,48 +8,50 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.planners.timing import steps_of
-from fgenv.robots import DifferentialDrive, Robot
+from fgenv.robots import Robot
 
-FINE = 0.1  # of what a drive does in a step: a differential drive's ways are rounded up to this
+RESOLUTION = 0.1  # of the motion in a step: lengths are rounded up to multiples of it
 
 
-class Pace:
-    """Fractions of a motion at each step, at rest at both ends; those asked for before are kept.
+class TimeScaling:
+    """Fractions of motions at each step, at rest at both ends; results are cached.
 
-    A differential drive's motion is along its x, or a turn on the spot: its length rounded up to a
-    tenth of a step says all, and it goes no faster for that.
+    A drive that turns in place moves along its x axis, or turns. Its time scaling depends on the
+    length alone, which is rounded up to a tenth of a step; rounding up does not exceed limits.
     """
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self.robot, self.dt = robot, dt
-        self._kept: dict[tuple[float, ...], Floats] = {}
+        self._cached = robot.steering().turns_in_place and robot.nq == 3
+        self._cache: dict[tuple[float, ...], Floats] = {}
 
     def fractions(self, q0: Floats, q1: Floats) -> Floats:
-        """(k+1,), from 0 to 1, of the straight motion from q0 to q1, (nq,) each."""
-        drive = self.robot.drive
-        if not (isinstance(drive, DifferentialDrive) and self.robot.nq == 3):
-            return self._asked(q0, q1)
-        key = self._rounded(drive, q0, q1)
-        if key not in self._kept:
-            self._kept[key] = self._asked(np.zeros(3), np.array([key[0], 0.0, key[1]]))
-        return self._kept[key]
+        """Fractions (k + 1,), from 0 to 1, of the straight motion from q0 to q1 (nq,)."""
+        if not self._cached:
+            return self._fractions(q0, q1)
+        key = self._rounded(q0, q1)
+        if key not in self._cache:
+            self._cache[key] = self._fractions(np.zeros(3), np.array([key[0], 0.0, key[1]]))
+        return self._cache[key]
 
-    def _rounded(self, drive: DifferentialDrive, q0: Floats, q1: Floats) -> tuple[float, float]:
-        """Meters along x, below 0 backwards, and radians."""
+    def _rounded(self, q0: Floats, q1: Floats) -> tuple[float, float]:
+        """Distance along x (m), negative for backward motion, and turn (rad)."""
         dx, dy, turn = (q1 - q0).tolist()
         length, turn = math.hypot(dx, dy), abs(math.remainder(turn, 2 * math.pi))
-        ahead = dx * math.cos(q0[2]) + dy * math.sin(q0[2]) >= 0.0
-        far = _up(length, FINE * drive.speed * self.dt)
-        return (far if ahead else -far), min(_up(turn, FINE * drive.turn_rate * self.dt), math.pi)
+        forward = dx * math.cos(q0[2]) + dy * math.sin(q0[2]) >= 0.0
+        speed, turn_rate = (action.high for action in self.robot.actions)
+        length = _round_up(length, RESOLUTION * speed * self.dt)
+        turn = min(_round_up(turn, RESOLUTION * turn_rate * self.dt), math.pi)
+        return (length if forward else -length), turn
 
-    def _asked(self, q0: Floats, q1: Floats) -> Floats:
+    def _fractions(self, q0: Floats, q1: Floats) -> Floats:
         steps = steps_of(self.robot, np.stack([q0, q1]), self.dt)
-        whole = float(self.robot.distance(q0, q1))
-        if whole == 0.0:
+        total = float(self.robot.displacement_bound(q0, q1))
+        if total == 0.0:
             return np.array([0.0, 1.0])
-        done = np.asarray(self.robot.distance(q0, steps)) / whole
-        return np.concatenate([[0.0], done[1:-1], [1.0]])
+        fractions = np.asarray(self.robot.displacement_bound(q0, steps)) / total
+        return np.concatenate([[0.0], fractions[1:-1], [1.0]])
 
 
-def _up(value: float, unit: float) -> float:
+def _round_up(value: float, unit: float) -> float:
     return math.ceil(value / unit - 1e-6) * unit

@@ -13,7 +13,7 @@ from fgenv import _core
 from fgenv.agents import OrcaPolicy, run_episode
 from fgenv.agents.evaluation.episodes import run_cases
 from fgenv.envs import Simulator, View, policy_of
-from fgenv.robots.footprint import enclosing
+from fgenv.robots.footprint import enclosing_radius
 from fgenv.scenarios import Scenario, frozen
 
 HORIZON, DT = 2.0, 0.1
@@ -228,9 +228,9 @@ def test_who_is_gone_hides_no_wall() -> None:
 
 def test_the_disc_encloses_the_body() -> None:
     simulator = Simulator("swap", n=3)
-    assert enclosing(simulator.robots[0]) == pytest.approx(0.3, abs=3e-3)
+    assert enclosing_radius(simulator.robots[0]) == pytest.approx(0.3, abs=3e-3)
     long = Simulator("swap", n=3, body="long")
-    assert enclosing(long.robots[0]) == pytest.approx(math.hypot(0.6, 0.15), abs=1e-6)
+    assert enclosing_radius(long.robots[0]) == pytest.approx(math.hypot(0.6, 0.15), abs=1e-6)
 
 
 def test_who_flies_or_is_bolted_down_is_told() -> None:

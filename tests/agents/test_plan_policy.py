@@ -13,11 +13,9 @@ from support.plans import Held, driven
 import fgenv
 from fgenv.agents import PlanPolicy, PlanWarning, run_episode
 from fgenv.agents.tracking.executable_plan import Course, arrived
-from fgenv.agents.tracking.waypoint_tracking import way_points
 from fgenv.envs import FleetEnv, Simulator, View, policy_of
 from fgenv.metrics import Results
 from fgenv.planners import PlanningError
-from fgenv.robots.inverse_drive import actions_between
 from fgenv.scenarios import Scenario
 
 # What is planned is what happens
@@ -74,8 +72,8 @@ def test_a_way_point_gives_the_velocity_that_is_wanted(kind: str) -> None:
         drives.place(0, 0, simulator.configurations[0, 0], simulator.goals[0, 0])
         drives.step(((expected - (low + high) / 2) / ((high - low) / 2))[None, None])
         q, target = simulator.configurations[:, 0], drives.configurations[:, 0]
-        asked = actions_between(robot, q, target, simulator.dt)[0]
-        actions, led = way_points(robot, q, target, simulator.dt, 1.0)
+        asked = robot.required_drive.inverse(robot, q, target, simulator.dt)[0][0]
+        actions, led = robot.required_drive.tracking_waypoint(robot, q, target, simulator.dt, 1.0)
         assert led.all()
         if (np.abs(asked - before) <= rate * simulator.dt + 1e-9).all():
             simulator.step(actions[:, None])

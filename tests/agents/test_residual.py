@@ -5,7 +5,7 @@ import pytest
 
 from fgenv.agents import OrcaPolicy
 from fgenv.agents.policies.residual import ResidualConfig, ResidualController
-from fgenv.agents.tracking.velocity_tracking import targets
+from fgenv.agents.tracking.path_targets import path_targets
 from fgenv.envs import Observation, Simulator, View
 
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
@@ -29,7 +29,7 @@ def test_an_output_of_nothing_goes_along_the_path(view: View) -> None:
     seen = view._simulator.observe()
     asked = np.zeros((2, 3, 2))
     found = acting(ResidualConfig(residual=2.0), view).actions(asked, seen)
-    assert (found == np.clip(view.toward(targets(view, seen)), -1, 1)).all()
+    assert (found == np.clip(view.toward(path_targets(view, seen)), -1, 1)).all()
     assert (acting(ResidualConfig(), view).actions(asked, seen) == asked).all()
 
 
@@ -43,7 +43,7 @@ def test_a_residual_takes_over_whatever_goto_does(view: View) -> None:
 def test_targets_are_where_the_hint_is_and_looked_at_on_the_way(view: View) -> None:
     simulator = view._simulator
     q, seen = simulator.configurations, simulator.observe()
-    found = targets(view, seen)
+    found = path_targets(view, seen)
     part = next(part for part in view.layouts[0] if part.name == "path_hint")
     x, y = np.moveaxis(seen[..., part.slice].astype(float), -1, 0)
     yaw = q[..., 2]
@@ -73,7 +73,7 @@ def test_who_has_to_turn_at_its_goal_begins_in_time() -> None:
 def test_without_a_plane_targets_are_goals() -> None:
     simulator = Simulator("forest", n=2)
     simulator.reset(seed=0)
-    assert (targets(View(simulator), simulator.observe()) == simulator.goals).all()
+    assert (path_targets(View(simulator), simulator.observe()) == simulator.goals).all()
 
 
 def test_near_its_goal_a_robot_does_what_goto_does(view: View) -> None:

@@ -53,7 +53,7 @@ def test_all_scenarios_are_registered() -> None:
 
 def test_what_has_no_drive_says_so() -> None:
     for name in set(ENTRIES) - set(DRIVEN):
-        with pytest.raises(ValueError, match="has no drive, give its model one"):
+        with pytest.raises(ValueError, match="without a drive, expected one"):
             gymnasium.make(f"fgenv/{name}-v0")
 
 
@@ -90,7 +90,7 @@ def test_rest_rests_where_the_middle_of_the_limits_does_not() -> None:
         env.step(np.zeros(env.action_space.shape or 0))
         for i, robot in enumerate(env.simulator.robots[1:], 1):
             q, then = env.simulator.configurations[0, i], before[0, i]
-            assert robot.distance(q[: robot.nq], then[: robot.nq]) < 1e-5, name
+            assert robot.displacement_bound(q[: robot.nq], then[: robot.nq]) < 1e-5, name
 
 
 def test_the_episode_is_that_of_the_robot() -> None:

@@ -15,8 +15,7 @@ from support.robots import random_tree
 from fgenv import _core
 from fgenv.envs import Observation, Simulator, View, policy_of
 from fgenv.envs.state_readers import MOVING, PARKED
-from fgenv.robots.footprint import discs_of, footprint
-from fgenv.robots.limits import reaches
+from fgenv.robots.footprint import enclosing_discs, footprint
 from fgenv.scenarios import Scenario
 
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
@@ -213,7 +212,7 @@ def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
 )
 def test_discs_hold_the_robot(name, given, row):
     robot = Scenario.load(name, n=2, **given).build().robots[0]
-    centers, radius = discs_of(robot)
+    centers, radius = enclosing_discs(robot)
     assert (len(centers) > 1) == row
     points = footprint(robot)
     far = np.hypot(points[:, :1] - centers, points[:, 1:])
@@ -228,9 +227,9 @@ def test_one_disc_holds_all_links_of_an_arm_on_wheels(monkeypatch):
     arms = [robot for robot in trees if any(link.shapes for link in robot.links[1:])]
     assert len(arms) > 10
     for robot in arms:
-        centers, radius = discs_of(robot)
+        centers, radius = enclosing_discs(robot)
         assert centers.tolist() == [0.0]
-        assert radius == reaches(robot)[robot.root]
+        assert radius == robot.reach[robot.root]
 
 
 def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():

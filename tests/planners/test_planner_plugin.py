@@ -26,8 +26,6 @@ from fgenv.planners import (
     Problem,
     StateLayout,
     StateValidityChecker,
-    Steering,
-    legs,
     plan_composite,
     setup,
     state_space,
@@ -62,7 +60,7 @@ def gap_world(robot: Robot) -> World:
 
 
 def space_of(robot: Robot) -> ob.StateSpace:
-    return state_space(StateLayout(robot, Steering.of(robot)))
+    return state_space(StateLayout(robot, robot.steering()))
 
 
 def simple_setup(robot: Robot, world: World, **options: object) -> og.SimpleSetup:
@@ -113,11 +111,11 @@ def test_a_cars_path_has_the_length_of_ompls_and_reaches_the_goal(way: str) -> N
 
 def test_turn_drive_turn_chooses_the_direction_with_less_turning() -> None:
     robot = cart(DifferentialDrive(speed=1.0, turn_rate=1.0))
-    forwards = legs(robot, [0, 0, 0.2], [2, 0, -0.2])
+    forwards = robot.steer([0, 0, 0.2], [2, 0, -0.2])
     assert np.allclose(forwards, [[0, 0, 0.2], [0, 0, 0], [2, 0, 0], [2, 0, -0.2]])
-    back = legs(robot, [0, 0, 3.0], [2, 0, 3.0])
+    back = robot.steer([0, 0, 3.0], [2, 0, 3.0])
     assert np.allclose(np.abs(back[1:3, 2]), np.pi)
-    assert len(legs(robot, [0, 0, 0], [0, 0, 1])) == 2
+    assert len(robot.steer([0, 0, 0], [0, 0, 1])) == 2
 
 
 # Spaces and states
@@ -144,7 +142,7 @@ def test_states_of_every_space_are_read_and_written() -> None:
 
 def test_drones_are_level_and_the_joint_space_of_arms_is_one_real_vector_space() -> None:
     drone = Scenario.load("forest", n=1).build().robots[0]
-    layout = StateLayout(drone, Steering.of(drone))
+    layout = StateLayout(drone, drone.steering())
     assert subspaces(state_space(layout)) == [("RealVector", 3), ("SO2", 1)]
     q = np.array([1.0, 2.0, 3.0, 0.0, 0.0, np.sin(0.4), np.cos(0.4)])
     assert np.allclose(layout.configurations(layout.states(q)), q)
@@ -372,7 +370,7 @@ def test_a_cars_arcs_stay_in_the_workspace() -> None:
     ss = og.SimpleSetup(space_of(robot))
     validator = MotionValidator(ss.getSpaceInformation(), "cart", world)
     sides = [-2.0, 2.9, 1.0], [2.0, 2.9, -1.0]  # the arc between them leaves the workspace
-    rows = legs(robot, *sides)
+    rows = robot.steer(*sides)
     assert rows[:, 1].max() > 3.0
     assert not validator._core.free(*sides)
     assert validator._core.free([-2.0, 0.0, 1.0], [2.0, 0.0, -1.0])

@@ -104,31 +104,31 @@ def test_an_action_and_its_limits(drive: Drive, base: str, expected: list[Any]) 
 @pytest.mark.parametrize(("drive", "base", "expected"), ACTIONS, ids=lambda x: type(x).__name__)
 def test_a_drive_that_does_not_fit_is_refused(drive: Drive, base: str, expected: list[Any]) -> None:
     if isinstance(drive, JointVelocity):
-        with pytest.raises(ValueError, match="JointVelocity moves joints, 'robot' has none"):
+        with pytest.raises(ValueError, match="got 'robot' without joints"):
             Robot("robot", [Link("a")], drive=drive)
         return
     other = "free" if base == "planar" else "planar"
-    with pytest.raises(ValueError, match=f"moves a {base} base, the base of 'arm' is {other}"):
+    with pytest.raises(ValueError, match=f"got a {other} base of 'arm', expected base='{base}'"):
         arm(other, drive=drive)
 
 
 FAULTS: list[tuple[Any, str]] = [
     (lambda: Holonomic(0.0, 1.0), "Holonomic: speed: got 0, expected a limit over 0"),
-    (lambda: Holonomic(math.inf, 1.0), "Holonomic: speed: inf, expected a finite number"),
-    (lambda: Drone(1.0, math.nan), "Drone: turn_rate: nan"),
-    (lambda: Car(1.0, -2.0, 1.0), "Car: min_turning_radius: -2.0"),
+    (lambda: Holonomic(math.inf, 1.0), "Holonomic: speed: got inf, expected a finite number"),
+    (lambda: Drone(1.0, math.nan), "Drone: turn_rate: got nan"),
+    (lambda: Car(1.0, -2.0, 1.0), "Car: min_turning_radius: got -2.0"),
     (lambda: DifferentialDrive(1.0, 1.0, acceleration=-1.0), "DifferentialDrive: acceleration"),
-    (lambda: DifferentialDrive("1", 1.0), "DifferentialDrive: speed: '1'"),  # type: ignore[arg-type]
+    (lambda: DifferentialDrive("1", 1.0), "DifferentialDrive: speed: got '1'"),  # type: ignore[arg-type]
     (
         lambda: MobileManipulator(JointVelocity()),
-        "platform: JointVelocity, expected one that moves",
+        "platform: got JointVelocity, expected a Platform",
     ),
-    (lambda: MobileManipulator(None), "platform: NoneType, expected a Drive"),  # type: ignore[arg-type]
+    (lambda: MobileManipulator(None), "platform: got NoneType, expected a Platform"),  # type: ignore[arg-type]
     (
         lambda: arm(speed=math.inf, drive=JointVelocity()),
-        "'elbow' has no speed limit, expected Join",
+        "got no speed limit of joint 'elbow', expected one; give Join",
     ),
-    (lambda: arm(drive="car"), "drive: str, expected a Drive"),  # type: ignore[arg-type]
+    (lambda: arm(drive="car"), "drive: got str, expected a Drive"),  # type: ignore[arg-type]
 ]
 
 

@@ -281,8 +281,8 @@ def test_no_point_moves_farther_than_the_distance(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_tree(rng)
     q0, q1 = robot.random(rng, 2)
-    far = robot.distance(q0, q1)
-    assert far == pytest.approx(robot.distance(q1, q0))
+    far = robot.displacement_bound(q0, q1)
+    assert far == pytest.approx(robot.displacement_bound(q1, q0))
     poses = robot.forward(robot.interpolate(q0, q1, np.linspace(0, 1, 20)))
     for part in robot.parts:
         at = poses[:, part.link] @ part.origin
@@ -338,7 +338,9 @@ def test_random_orientations_are_uniform() -> None:
 
 
 def test_random_without_limits_says_what_to_give() -> None:
-    with pytest.raises(ValueError, match="'x' of 'cart' has no limits, give workspace="):
+    with pytest.raises(
+        ValueError, match="got no limits of 'x' of 'cart', expected finite ones; give workspace="
+    ):
         Robot("cart", [Link("body")], base="planar").random(np.random.default_rng(0))
 
 
@@ -370,8 +372,8 @@ def test_neighbors_are_allowed_to_touch() -> None:
     assert {tuple(sorted((names[i], names[j]))) for i, j in robot.allowed_parts} == {
         pair for pair in expected if "empty" not in pair
     }
-    assert robot.contacts() == (("a", "c"), ("a", "d"), ("a", "e"), ("b", "e"), ("c", "e"))
-    assert robot.allowing(robot.contacts()).contacts() == ()
+    assert robot.self_collisions() == (("a", "c"), ("a", "d"), ("a", "e"), ("b", "e"), ("c", "e"))
+    assert robot.with_allowed_collisions(robot.self_collisions()).self_collisions() == ()
 
 
 def test_pickle_copy_repr() -> None:
@@ -403,7 +405,7 @@ for seed in range(12):
     t = rng.random(300)
     link = len(robot.links) - 1
     parts = robot.forward(q0), robot.interpolate(q0, q1, t), *robot.link_motion(link, q0, q1, t)
-    for part in (*parts, robot.distance(q0, q1), robot.weights):
+    for part in (*parts, robot.displacement_bound(q0, q1), robot.weights):
         h.update(np.ascontiguousarray(part).tobytes())
 print(h.hexdigest())
 """
@@ -429,36 +431,36 @@ def joint(name: str = "j", kind: str = "revolute", **more: Any) -> Joint:
 
 TWO = (Link("a"), Link("b"))
 FAULTS: list[tuple[Any, str]] = [
-    (lambda: Robot("r", []), "links: none"),
-    (lambda: Robot("", TWO), "name: '', expected a name"),
-    (lambda: Robot("r", TWO), "'a', 'b' hang on no joint"),
-    (lambda: Robot("r", (Link("a"), Link("a"))), "link 'a': there are two"),
-    (lambda: Robot("r", TWO, [joint(child="c")]), "no link is named 'c'"),
-    (lambda: Robot("r", TWO, [joint(), joint()]), "joint 'j': there are two"),
-    (lambda: Robot("r", TWO, [joint(), joint("k")]), "hangs on two joints"),
+    (lambda: Robot("r", []), "links: got none"),
+    (lambda: Robot("", TWO), "name: got '', expected a name"),
+    (lambda: Robot("r", TWO), "'a', 'b': got no joint to a parent"),
+    (lambda: Robot("r", (Link("a"), Link("a"))), "link 'a': got two of this name"),
+    (lambda: Robot("r", TWO, [joint(child="c")]), "got 'c', expected the name of a link"),
+    (lambda: Robot("r", TWO, [joint(), joint()]), "joint 'j': got two of this name"),
+    (lambda: Robot("r", TWO, [joint(), joint("k")]), "got two parent joints"),
     (
         lambda: Robot("r", (*TWO, Link("c")), [joint(), joint("k", parent="b", child="a")]),
-        "part of a loop",
+        "got a loop of joints",
     ),
-    (lambda: Robot("r", TWO, [joint()], base="floating"), "base: 'floating', expected one of"),
+    (lambda: Robot("r", TWO, [joint()], base="floating"), "base: got 'floating', expected one of"),
     (lambda: Robot("r", TWO, [joint("x")], base="planar"), "name of a coordinate"),
-    (lambda: Robot("r", TWO, [joint()], workspace=[[0, 0], [1, 1]]), "a fixed base has no"),
+    (lambda: Robot("r", TWO, [joint()], workspace=[[0, 0], [1, 1]]), "got bounds for a fixed base"),
     (
         lambda: Robot("r", TWO, [joint()], "planar", workspace=[[0, 0, 0]] * 2),
         "expected .low, high.",
     ),
-    (lambda: Robot("r", TWO, [joint()], allowed=[("a", "z")]), "has no link 'z'"),
-    (lambda: Robot("r", TWO, [joint()], mount=2 * np.eye(4)), "mount: not a rigid motion"),
+    (lambda: Robot("r", TWO, [joint()], allowed=[("a", "z")]), "got 'z', expected a link of 'r'"),
+    (lambda: Robot("r", TWO, [joint()], mount=2 * np.eye(4)), "mount: got no rigid transform"),
     (lambda: Robot("r", TWO, [joint(mimic=Mimic("j"))]), "mimics itself"),
     (lambda: Robot("r", TWO, [joint(mimic=Mimic("k"))]), "no such joint"),
-    (lambda: joint(kind="ball"), "kind 'ball', expected one of fixed, revolute"),
-    (lambda: joint(axis=[0, 0, 0]), "axis .*, expected three numbers, not all 0"),
-    (lambda: joint(lower=1.0, upper=0.0), "lower 1 is over upper 0"),
+    (lambda: joint(kind="ball"), "kind: got 'ball', expected one of fixed, revolute"),
+    (lambda: joint(axis=[0, 0, 0]), "axis: got .*, expected three numbers, not all 0"),
+    (lambda: joint(lower=1.0, upper=0.0), "got lower 1 over upper 0"),
     (lambda: joint(velocity=-1.0), "velocity: got -1.0, expected a number, 0 or more"),
-    (lambda: joint(origin=np.eye(3)), r"origin: shape \(3, 3\), expected a pose"),
-    (lambda: joint(kind="fixed", mimic=Mimic("k")), "fixed, and yet mimics"),
-    (lambda: Mimic("k", math.nan), "multiplier: nan"),
-    (lambda: Link("a", [BOX, None]), "shape: NoneType, expected a Shape"),
+    (lambda: joint(origin=np.eye(3)), r"origin: got shape \(3, 3\), expected a pose"),
+    (lambda: joint(kind="fixed", mimic=Mimic("k")), "got mimic of 'k' for a fixed joint"),
+    (lambda: Mimic("k", math.nan), "multiplier: got nan"),
+    (lambda: Link("a", [BOX, None]), "shape: got NoneType, expected a Shape"),
 ]
 
 
@@ -474,7 +476,7 @@ def test_half_a_turn_of_what_goes_round_is_no_pose() -> None:
         joint("gear", parent="a", child="c", mimic=Mimic("wheel", 0.5)),
     ]
     links = [*TWO, Link("c")]
-    with pytest.raises(ValueError, match=r"'wheel', which turns without end, 0\.5 times"):
+    with pytest.raises(ValueError, match=r"got 0\.5 times 'wheel', a continuous joint"):
         Robot("r", links, joints)
     joints[1] = joint("gear", parent="a", child="c", mimic=Mimic("wheel", -2.0))
     robot = Robot("r", links, joints)
@@ -508,9 +510,9 @@ def test_other_arguments_that_make_no_sense() -> None:
         robot.interpolate(q, q, 1.5)
     with pytest.raises(ValueError, match=r"q0 \(4,\) and q1 \(3,\) and t \(\)"):
         robot.interpolate(np.zeros((4, 3)), np.zeros((3, 3)), 0.5)
-    with pytest.raises(ValueError, match="link: 'wheel', 'cart' has body"):
+    with pytest.raises(ValueError, match="link: got 'wheel', expected one of 'cart': body"):
         robot.forward(q, "wheel")
-    with pytest.raises(ValueError, match="link: 1, 'cart' has 1 links"):
+    with pytest.raises(ValueError, match="link: got 1, expected an index below 1 of 'cart'"):
         robot.forward(q, 1)
     with pytest.raises(ValueError, match="threads: expected a whole number"):
         robot.forward(q, threads=0)

@@ -218,7 +218,7 @@ def test_srdf_allows_pairs() -> None:
     srdf = folder("example-robot-data") / "talos_data/srdf/talos.srdf"
     plain, told = real(URDFS[10]), Robot.from_urdf(urdf(URDFS[10]), srdf=srdf)
     assert set(plain.allowed) < set(told.allowed)
-    assert len(told.contacts()) <= len(plain.contacts())
+    assert len(told.self_collisions()) <= len(plain.self_collisions())
 
 
 # Round forms
@@ -280,14 +280,18 @@ FAULTS = [
         "is floating: begin at its child, with base='free'",
     ),
     ('<child link="upper"/>', "", "joint 'shoulder' has no child"),
-    ('link="upper"/>', 'link="lower"/>', "joint 'shoulder': no link is named 'lower'"),
+    ('link="upper"/>', 'link="lower"/>', "joint 'shoulder': got 'lower'"),
     (
         "<box size=",
         "<capsule size=",
         "link 'base': collision geometry is capsule, expected one of box",
     ),
     ('<box size="0.2 0.3 0.4"/>', "", "link 'base': collision geometry is nothing"),
-    ('size="0.2 0.3 0.4"', 'size="0.2 0.3"', "link 'base': box: size .*, expected three lengths"),
+    (
+        'size="0.2 0.3 0.4"',
+        'size="0.2 0.3"',
+        "link 'base': box: size: got .*, expected three lengths",
+    ),
     ('radius="0.05"', 'radius="-1"', "link 'upper': cylinder: radius: got -1.0, expected meters"),
     ('radius="0.05"', 'radius="wide"', "cannot be read .*wide"),
     (
@@ -296,8 +300,8 @@ FAULTS = [
         "line 20: origin: rpy '0.4 0.5', expected three numbers",
     ),
     ('axis xyz="0 1 1"', 'axis xyz="0 0 0"', "joint 'shoulder': axis"),
-    ('lower="-1.5"', 'lower="5"', "joint 'shoulder': lower 5 is over upper 2"),
-    ('mimic joint="slide"', 'mimic joint="glide"', "mimics 'glide': there is no such joint"),
+    ('lower="-1.5"', 'lower="5"', "joint 'shoulder': got lower 5 over upper 2"),
+    ('mimic joint="slide"', 'mimic joint="glide"', "mimic: got 'glide', no such joint"),
     ('filename="hand.stl"', "", "link 'hand': mesh without filename"),
     ('"hand.stl"', '"foot.stl"', "link 'hand': mesh 'foot.stl' is not there .looked at .*; put it"),
     (

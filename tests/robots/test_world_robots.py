@@ -251,7 +251,7 @@ def test_masks_hide_nothing_from_a_robot() -> None:
 def test_a_real_arm_is_exact() -> None:
     """The Panda, its self-collisions and a table, against its links pair by pair."""
     robot = real(PANDA)
-    robot = robot.allowing(robot.contacts())
+    robot = robot.with_allowed_collisions(robot.self_collisions())
     rng = np.random.default_rng(2)
     scene = Scene(rng, robot, 0.8, count=10)
     q = robot.random(rng, 60)

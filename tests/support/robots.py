@@ -90,4 +90,4 @@ def random_tree(rng: np.random.Generator, base: str | None = None, most: int = 8
         )
     base = base or str(rng.choice(["fixed", "planar", "free"]))
     order = rng.permutation(n)
-    return Robot("tree", [links[i] for i in order], joints, base, place(rng), None, ROOM[base])
+    return Robot("tree", [links[i] for i in order], joints, base, place(rng), ROOM[base])

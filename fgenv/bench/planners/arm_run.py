@@ -10,7 +10,6 @@ from ompl import geometric as og
 
 from fgenv.planners.ompl.spaces import StateLayout, state_space
 from fgenv.planners.problem import Problem
-from fgenv.planners.steering import Steering
 from fgenv.scenarios.library.mbm import Family
 
 from .arm import ARM, ArmTask, arm_bodies
@@ -48,7 +47,7 @@ def race_family(family: str, numbers: Sequence[int], seed: int, limit: float, to
 def theirs(task: ArmTask, bind: Bind) -> Way:
     """A checker in Python under OMPL's discrete motion validator, a step 1/32 rad at most."""
     robot = task.problem.models[0]
-    layout = StateLayout(robot, Steering.of(robot))
+    layout = StateLayout(robot, robot.steering())
     ends = [layout.states(q) for q in (task.problem.starts[0], task.problem.goals[0])]
 
     def make() -> Search:

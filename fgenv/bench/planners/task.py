@@ -14,7 +14,6 @@ from fgenv.arrays import Floats
 from fgenv.planners.ompl.setup import problem_space
 from fgenv.planners.ompl.spaces import StateLayout
 from fgenv.planners.problem import Problem
-from fgenv.planners.steering import Steering
 
 FINE = 0.01  # of the space's extent: the resolution that OMPL has where nobody says one
 SAMPLES = 2000  # configurations, to compare lengths of steps on
@@ -65,7 +64,7 @@ class Task:
     @cached_property
     def layouts(self) -> list[StateLayout]:
         """How configurations stand in states."""
-        return [StateLayout(robot, Steering.of(robot)) for robot in self.problem.models]
+        return [StateLayout(robot, robot.steering()) for robot in self.problem.models]
 
     def space(self) -> Any:
         """A new space of OMPL, as `fgenv.planners.setup` makes it: bounds and weights the same."""
@@ -121,7 +120,7 @@ class Task:
     def steps(self, q0: Floats, q1: Floats, step: float) -> int:
         """Steps between joint configurations (7 n,) in which no point moves farther."""
         far = [
-            float(robot.distance(q0[7 * i : 7 * i + 7], q1[7 * i : 7 * i + 7]))
+            float(robot.displacement_bound(q0[7 * i : 7 * i + 7], q1[7 * i : 7 * i + 7]))
             for i, robot in enumerate(self.problem.models)
         ]
         return max(1, int(np.ceil(max(far) / step)))

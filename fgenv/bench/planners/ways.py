@@ -111,7 +111,7 @@ def same_steps(task: Task) -> float:
     q0, q1 = np.split(task.samples[:, :7], 2)
     robot = task.problem.models[0]
     shift = np.linalg.norm(q1[:, :3] - q0[:, :3], axis=1)
-    turn = robot.distance(q0, q1) - shift
+    turn = robot.displacement_bound(q0, q1) - shift
     return float(np.maximum(shift, turn).mean() / (shift + turn).mean())
 
 

@@ -133,17 +133,17 @@ nb::object interpolate_all(const Robot& robot, nb::handle q0, nb::handle q1, nb:
     return nb::cast(out.array);
 }
 
-nb::object distance_all(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle weights) {
+nb::object displacement_bounds(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle weights) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     const Array<double> w = doubles(weights, "weights");
     if (w.dims != Dims{robot.nq()})
         fail("weights: shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
-    if (shape.dims.empty()) return nb::cast(distance(robot, w.data(), from.row(0), to.row(0)));
+    if (shape.dims.empty()) return nb::cast(displacement_bound(robot, w.data(), from.row(0), to.row(0)));
     Output<double> out = make_output<double>(shape.dims);
     parallel_for(shape.size, 0, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i)
-            out.data[i] = distance(robot, w.data(), from.row(shape.offset(0, i)), to.row(shape.offset(1, i)));
+            out.data[i] = displacement_bound(robot, w.data(), from.row(shape.offset(0, i)), to.row(shape.offset(1, i)));
     });
     return nb::cast(out.array);
 }
@@ -200,7 +200,7 @@ void bind_robot(nb::module_& m) {
              "offsets"_a, "names"_a)
         .def("forward", &forward_all, "q"_a.none(), "threads"_a.none())
         .def("interpolate", &interpolate_all, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "threads"_a.none())
-        .def("distance", &distance_all, "q0"_a.none(), "q1"_a.none(), "weights"_a)
+        .def("displacement_bound", &displacement_bounds, "q0"_a.none(), "q1"_a.none(), "weights"_a)
         .def("link_motion", &link_motion, "link"_a, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "offset"_a.none(),
              "begin"_a, "rate"_a, "threads"_a.none());
     m.def("sin_cos", &sin_cos_all, "angles"_a.none(), "Sine and cosine, the same bits on every machine.");

@@ -97,7 +97,7 @@ void interpolate(const Robot& robot, const double* q0, const double* q1, double 
     }
 }
 
-double distance(const Robot& robot, const double* weights, const double* q0, const double* q1) {
+double displacement_bound(const Robot& robot, const double* weights, const double* q0, const double* q1) {
     const JointKind base = robot.joints[0].kind;
     const int32_t place = base == JointKind::planar ? 2 : base == JointKind::free ? 3 : 0;
     double squared = 0, sum = 0;

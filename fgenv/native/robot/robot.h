@@ -62,6 +62,6 @@ void interpolate(const Robot& robot, const double* q0, const double* q1, double 
 
 // Meters that no point exceeds on that way: changes times weights (nq), a base's position and orientation
 // taken as wholes.
-double distance(const Robot& robot, const double* weights, const double* q0, const double* q1);
+double displacement_bound(const Robot& robot, const double* weights, const double* q0, const double* q1);
 
 }  // namespace fgenv

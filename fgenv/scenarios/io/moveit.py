@@ -19,9 +19,9 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from fgenv.arrays import Floats
-from fgenv.robots import Robot
+from fgenv.robots import Drive, JointVelocity, Robot
 from fgenv.scenarios.build import urdf_path
-from fgenv.scenarios.drive_specs import JointVelocity
+from fgenv.scenarios.drive_specs import DriveSpec
 from fgenv.scenarios.schema import Body, Model, RobotSpec, Scenario, Tolerance
 from fgenv.scenarios.shapes.bodies import AnyForm
 
@@ -76,7 +76,7 @@ def load_problem(
     *,
     urdf: str | Path,
     srdf: str | Path | None = None,
-    drive: JointVelocity | None = None,
+    drive: Drive | None = None,
     name: str | None = None,
     tolerance: float = NEAR,
 ) -> Scenario:
@@ -102,7 +102,7 @@ def load_problem(
     arm = Model(
         urdf=str(urdf),
         srdf=None if srdf is None else str(srdf),
-        drive=drive or JointVelocity(kind="joint_velocity"),
+        drive=DriveSpec.of(drive or JointVelocity()),
     )
     return problem_of(stands, Node.read(request), arm, name or stands.name, tolerance)
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import AZIMUTH, ELEVATION, FOV, Camera, direction, overview
 
@@ -56,7 +55,7 @@ class CameraPath:
             )
             self._center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if kind == "follow":
-            self._distance = max(MIN_DISTANCE, REACHES * reaches(self._model)[self._model.root])
+            self._distance = max(MIN_DISTANCE, REACHES * self._model.reach[self._model.root])
 
     def at(self, seconds: float, q: Floats) -> Camera:
         """Return the camera at a time; `q`: configuration of the followed robot."""

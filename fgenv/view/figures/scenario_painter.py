@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.robots.limits import reaches
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import Camera, overview
 from fgenv.view.figures.movie import Frame
@@ -36,7 +35,7 @@ class ScenarioPainter:
         self.corners = np.concatenate([*ends, *more])
         self.camera: Camera = overview(self.corners, width, height)
         self._floor = Floor(height=min(0.0, float(self.corners[:, 2].min())))
-        self._radii = [reaches(robot)[robot.root] for robot in built.robots]
+        self._radii = [robot.reach[robot.root] for robot in built.robots]
         self._present: list[int] | None = None
         self._highlighted: set[str] = set()
 

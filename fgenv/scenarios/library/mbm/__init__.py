@@ -9,7 +9,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from fgenv.scenarios.drive_specs import JointVelocity
+from fgenv.robots import JointVelocity
+from fgenv.scenarios.drive_specs import DriveSpec
 from fgenv.scenarios.io.moveit import problem_of, scene_of
 from fgenv.scenarios.io.yaml_node import Node
 from fgenv.scenarios.library.registry import builtin
@@ -44,7 +45,7 @@ def mbm(family: Family = "bookshelf_small", problem: Number = 1) -> Scenario:
         problem: 1 to 100.
     """
     scene, request = (_file(family, f"{what}{problem:04}.yaml") for what in ("scene", "request"))
-    drive = JointVelocity(kind="joint_velocity", acceleration=ACCELERATION)
+    drive = DriveSpec.of(JointVelocity(acceleration=ACCELERATION))
     arm = Model(urdf=f"{HERE}/panda.urdf", srdf=f"{HERE}/panda.srdf", drive=drive)
     scenario = problem_of(scene_of(scene), request, arm, "mbm")
     told = f"MotionBenchMaker: {family}, problem {problem}; a Panda reaches its goal."
