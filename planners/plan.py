@@ -32,7 +32,7 @@ from fgenv.robots import Robot
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
-from fgenv.scenarios.io.yaml_text import moved
+from fgenv.scenarios.yaml_io import moved
 
 from .certificate import Certificate, arrival
 

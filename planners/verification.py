@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fgenv.scenarios.hashes import urdf_hashes
-from fgenv.scenarios.validation import files
+from fgenv.scenarios.validation import file_faults
 
 from .certificate import Certificate, certify
 from .limits import path_fault
@@ -27,7 +27,7 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
     """
     if not isinstance(plan, Plan):
         plan = Plan.load(plan)
-    for error in files(plan.scenario):
+    for error in file_faults(plan.scenario):
         raise PlanError(f"plan: {error.problem}")
     changed = {m for m, h in urdf_hashes(plan.scenario).items() if h != plan.urdf.get(m)}
     if plan.urdf and changed:

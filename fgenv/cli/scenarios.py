@@ -45,7 +45,7 @@ def scenarios(
     Case i of an evaluation set is the scenario with seed SEED + i; its id is a hash of all cases.
     """
     from fgenv.scenarios import Scenario
-    from fgenv.scenarios.parse import schema as json_schema
+    from fgenv.scenarios.json_schema import json_schema
 
     if schema:
         typer.echo(json.dumps(json_schema(), indent=1))

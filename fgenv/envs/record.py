@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from fgenv.archive import Archive
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
-from fgenv.scenarios.io.yaml_text import moved
+from fgenv.scenarios.yaml_io import moved
 
 ARRAYS = {
     "configurations": "<f8",

@@ -6,7 +6,7 @@ import numpy as np
 
 from fgenv import __version__
 from fgenv.scenarios.hashes import urdf_hashes
-from fgenv.scenarios.validation import files
+from fgenv.scenarios.validation import file_faults
 
 from .observations import Observation
 from .record import INITIAL, Record, RecordError
@@ -45,7 +45,7 @@ def replay(record: Record, threads: int | None = None) -> Simulator:
 
 def check_files(record: Record) -> None:
     """Raise RecordError if mesh or URDF files are missing or have changed since the recording."""
-    for invalid in files(record.scenario):
+    for invalid in file_faults(record.scenario):
         raise RecordError(f"record: {invalid.problem}")
     for model, current in urdf_hashes(record.scenario).items():
         if current != record.about["urdf"].get(model):

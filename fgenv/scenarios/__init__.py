@@ -10,7 +10,7 @@ from fgenv.scenarios.build import Built
 from fgenv.scenarios.errors import Problem, ScenarioError
 from fgenv.scenarios.frozen_set import FrozenSet, frozen
 from fgenv.scenarios.load import validate
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 __all__ = [
     "Built",

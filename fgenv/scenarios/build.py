@@ -1,4 +1,4 @@
-"""A scenario made ready: robots, and plain arrays that a simulator takes over."""
+"""Builds a scenario: robots, and plain arrays for the simulator."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,27 +15,26 @@ from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.robots import Robot
 
-if TYPE_CHECKING:
-    from .schema import Model, RobotSpec, Scenario
+from .schema import Model, RobotSpec, ScenarioSpec
 
 ROBOTS, STATIC = "robots", "static"  # groups of all robots, and of all bodies
 
 
 @dataclass(frozen=True, eq=False)
 class Built:
-    """What a scenario says, as robots and arrays; lists are by robot or by body.
+    """The robots and arrays of a scenario; sequences are by robot or by static body.
 
     Attributes:
         robots: with drive, limits, workspace and mount.
         starts, goals: configurations, (nq,) each.
-        groups: of each robot; its name is one, and `robots`.
+        groups: of each robot; they include its name and `robots`.
         shapes, poses: of the static bodies; poses are (m, 4, 4).
         names: of the static bodies.
-        body_groups: of each static body; its name is one, and `static`.
-        allowed: pairs of groups whose contact is no collision.
+        body_groups: of each static body; they include its name and `static`.
+        allowed: pairs of groups that are excluded from collision checks.
     """
 
-    scenario: Scenario
+    scenario: ScenarioSpec
     robots: tuple[Robot, ...]
     starts: tuple[Floats, ...]
     goals: tuple[Floats, ...]
@@ -48,25 +46,25 @@ class Built:
     allowed: tuple[tuple[str, str], ...]
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Built:
-        """Build it: reads mesh and URDF files, each once.
+    def of(cls, scenario: ScenarioSpec) -> Built:
+        """Build a scenario; reads each mesh and URDF file once.
 
         Raises:
-            ValueError, OSError, ImportError: saying what is wrong with a shape or model.
+            ValueError, OSError, ImportError: a shape or model is invalid.
         """
         shapes = {name: form.shape(scenario.folder) for name, form in scenario.shapes.items()}
-        models = {name: model_of(scenario, m) for name, m in scenario.models.items()}
+        models = {name: robot_model(scenario, m) for name, m in scenario.models.items()}
         robots = {i: robot_of(models[r.model], r) for i, r in enumerate(scenario.robots)}
-        return assembled(scenario, shapes, robots, range(len(scenario.bodies)))
+        return assemble(scenario, shapes, robots, range(len(scenario.bodies)))
 
     def world(self, configurations: Sequence[Floats] | None = None, robots: bool = True) -> World:
         """A world of the static bodies, then the robots, by their names.
 
-        Contacts of two static bodies are no collisions.
+        Pairs of static bodies are excluded from collision checks.
 
         Args:
-            configurations: (nq,) of each robot; their starts if left out.
-            robots: False: the static bodies alone.
+            configurations: (nq,) of each robot; default: the starts.
+            robots: whether to add the robots.
         """
         world = World()
         for a, b in self.allowed:
@@ -84,13 +82,13 @@ class Built:
         return world.add_robot(self.robots[i], q, name=self.groups[i][0], groups=self.groups[i])
 
 
-def assembled(
-    scenario: Scenario,
+def assemble(
+    scenario: ScenarioSpec,
     shapes: Mapping[str, Shape],
     robots: Mapping[int, Robot],
     bodies: Sequence[int],
 ) -> Built:
-    """Some of a scenario's robots and bodies, by their places in it."""
+    """A selection of a scenario's robots and bodies, by their indices in it."""
     specs = [scenario.robots[i] for i in robots]
     stand = [scenario.bodies[i] for i in bodies]
     names = tuple(body.name or f"body {i + 1}" for i, body in zip(bodies, stand, strict=True))
@@ -108,8 +106,8 @@ def assembled(
     )
 
 
-def model_of(scenario: Scenario, model: Model) -> Robot:
-    """The robot that a model is, at the origin."""
+def robot_model(scenario: ScenarioSpec, model: Model) -> Robot:
+    """The robot of a model, at the origin."""
     drive = None if model.drive is None else model.drive.build()
     base = model.base or ("fixed" if model.urdf else "planar")
     space = None

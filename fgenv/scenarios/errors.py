@@ -1,22 +1,23 @@
-"""What is wrong with a scenario: where, why, and the remedy."""
+"""Errors of scenarios: the place, the fault and the remedy."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 Location = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong.
+    """A problem of a scenario.
 
     Attributes:
-        text: what came and what is expected.
-        remedy: what to do.
+        text: the fault, with the value received and the value expected.
+        remedy: how to fix it.
         where: the place in the file, such as robots[3].start.
         line: of the file, from 1.
     """
@@ -31,13 +32,9 @@ class Problem:
         name = f"{self.where}: " if self.where else ""
         return f"{place}{name}{self.text}" + (f"; {self.remedy}" if self.remedy else "")
 
-    def at(self, line: int | None) -> Problem:
-        """The same, in a line."""
-        return replace(self, line=line)
-
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be used, and all that is wrong with it."""
+    """A scenario that cannot be used; lists all its problems."""
 
     def __init__(self, source: str | Path, problems: Iterable[Problem]) -> None:
         self.source, self.problems = source, tuple(problems)
@@ -49,6 +46,15 @@ class ScenarioError(ValueError):
         return type(self), (self.source, self.problems)
 
 
+def short(value: Any) -> str:
+    """The representation of a value, cut to 60 characters."""
+    try:
+        text = repr(value)
+    except RecursionError:
+        text = type(value).__name__
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
 def path_text(location: Sequence[str | int]) -> str:
     """robots[3].start for ('robots', 3, 'start')."""
     text = ""
@@ -58,7 +64,7 @@ def path_text(location: Sequence[str | int]) -> str:
 
 
 def near(word: object, known: Iterable[str]) -> str:
-    """'did you mean ...?', or what is known."""
+    """A remedy: 'did you mean ...?', or the list of the known names."""
     names = list(known)
     close = difflib.get_close_matches(str(word), names, n=3, cutoff=0.6)
     if close:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from fgenv.arrays import Ints32
 
 from .errors import Problem, ScenarioError
-from .schema import Scenario
+from .scenario import Scenario
 
 FORMAT = "fgenv frozen set 1"
 MOST = 100_000  # cases

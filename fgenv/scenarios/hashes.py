@@ -1,18 +1,20 @@
-"""Hashes of the files that a scenario names."""
+"""Hashes of the files of a scenario."""
 
 from __future__ import annotations
 
 import hashlib
-from typing import Any
+from typing import Any, TypeVar
 
 from fgenv.scenarios.shapes.bodies import MeshFile
 
 from .build import urdf_path
-from .schema import Scenario
+from .schema import ScenarioSpec
+
+AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
 
 
-def with_hashes(scenario: Scenario) -> Scenario:
-    """The scenario, each mesh file with the hash of its bytes."""
+def with_hashes(scenario: AnyScenario) -> AnyScenario:
+    """The scenario with the SHA-256 hash of each mesh file."""
     shapes = {
         name: form.model_copy(update={"sha256": sha256(form.path(scenario.folder))})
         if isinstance(form, MeshFile)
@@ -22,7 +24,7 @@ def with_hashes(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"shapes": shapes}).at(scenario.folder)
 
 
-def urdf_hashes(scenario: Scenario) -> dict[str, str]:
+def urdf_hashes(scenario: ScenarioSpec) -> dict[str, str]:
     """The hash of each model's URDF file."""
     return {
         name: sha256(urdf_path(model.urdf, scenario.folder))
@@ -32,6 +34,6 @@ def urdf_hashes(scenario: Scenario) -> dict[str, str]:
 
 
 def sha256(path: Any) -> str:
-    """Of a file's bytes."""
+    """The SHA-256 hash of a file."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,100 +1,106 @@
-"""`Scenario.load`: a file, or a built-in scenario by its name; and overrides."""
+"""Loading of scenarios: from a file, or a built-in scenario by name, with overrides."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from fgenv.scenarios.io.yaml_text import Document, read
-
-from . import library
+from . import registry
 from .errors import Problem, ScenarioError, near
-from .parse import Reading, problem, understood
-from .schema import Scenario
-from .validation import Found, everything, files, references
+from .parse import Parsed, parse, problem_of
+from .schema import ScenarioSpec
+from .validation import Fault, all_faults, file_faults, reference_faults
+from .yaml_io import Document, read
 
-PLAIN = ("seed", "time_step", "horizon", "on_collision", "at_goal", "description")
+PLAIN_FIELDS = ("seed", "time_step", "horizon", "on_collision", "at_goal", "description")
+SUFFIXES = (".yaml", ".yml")
+AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
+Check = Callable[[ScenarioSpec, Collection[str]], list[Fault]]
 
 
-def load(source: str | Path, overrides: dict[str, Any]) -> Scenario:
+def load(kind: type[AnyScenario], source: str | Path, overrides: dict[str, Any]) -> AnyScenario:
     """See `Scenario.load`."""
-    path = Path(source)
     if is_file_name(source):
-        return overridden(from_file(path), overrides, ())
-    entry = library.entry(str(source))
-    own = inspect.signature(entry.make).parameters
-    unknown = [name for name in overrides if name not in own and name not in PLAIN]
-    if unknown:
-        told = [
-            Problem("is no known override", near(n, dict.fromkeys((*own, *PLAIN))), n)
-            for n in unknown
-        ]
-        raise ScenarioError(entry.name, told)
+        return _overridden(_from_file(kind, Path(source)), overrides, ())
+    entry = registry.entry(str(source))
+    parameters = inspect.signature(entry.make).parameters
+    _check_names(entry.name, overrides, parameters)
     try:
-        scenario = entry.make(**{k: v for k, v in overrides.items() if k in own})
+        scenario = entry.make(**{k: v for k, v in overrides.items() if k in parameters})
     except ValidationError as error:
-        raise ScenarioError(entry.name, told_by(error)) from None
-    return overridden(scenario, {k: v for k, v in overrides.items() if k not in own}, own)
+        raise ScenarioError(entry.name, _argument_problems(error)) from None
+    assert isinstance(scenario, kind)
+    rest = {k: v for k, v in overrides.items() if k not in parameters}
+    return _overridden(scenario, rest, parameters)
 
 
 def is_file_name(source: str | Path) -> bool:
-    """Whether it names a file rather than a built-in scenario."""
+    """Whether the source is a file rather than the name of a built-in scenario."""
     path = Path(source)
-    return isinstance(source, Path) or path.suffix in Scenario.suffixes or len(path.parts) > 1
+    return isinstance(source, Path) or path.suffix in SUFFIXES or len(path.parts) > 1
 
 
-def from_file(path: Path) -> Scenario:
-    """The scenario in a file: schema, names and files are checked, places are not."""
-    scenario, problems = checked(path, lambda s, gone: [*references(s, gone), *files(s)])
+def validate(path: str | Path) -> list[Problem]:
+    """List all problems of a file, sorted by line; empty for a valid file.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    try:
+        return _checked(ScenarioSpec, Path(path), all_faults)[1]
+    except ScenarioError as error:  # not YAML
+        return list(error.problems)
+
+
+def _from_file(kind: type[AnyScenario], path: Path) -> AnyScenario:
+    """The scenario in a file. Schema, names and files are checked; contacts are not."""
+
+    def check(scenario: ScenarioSpec, dropped: Collection[str]) -> list[Fault]:
+        return [*reference_faults(scenario, dropped), *file_faults(scenario)]
+
+    scenario, problems = _checked(kind, path, check)
     if problems or scenario is None:
         raise ScenarioError(path, problems)
     return scenario
 
 
-def validate(path: str | Path) -> list[Problem]:
-    """All that is wrong with a file, by line; empty for a sound one.
-
-    Raises:
-        OSError: it cannot be read.
-    """
-    try:
-        return checked(Path(path), everything)[1]
-    except ScenarioError as error:  # not YAML
-        return list(error.problems)
-
-
-def checked(
-    path: Path, check: Callable[[Scenario, Collection[str]], list[Found]]
-) -> tuple[Scenario | None, list[Problem]]:
-    """What is in a file, and what the schema and `check` find wrong with it, by line."""
-    reading = understood(read(path))
-    found: list[Found] = []
-    if reading.scenario is not None:
-        reading.scenario = reading.scenario.at(path.parent)
-        found = check(reading.scenario, reading.gone)
-    problems = [*reading.problems, *(reading.located(*f) for f in found)]
-    return reading.scenario, sorted(problems, key=lambda p: p.line or 0)
+def _checked(
+    kind: type[AnyScenario], path: Path, check: Check
+) -> tuple[AnyScenario | None, list[Problem]]:
+    """The scenario in a file, and the problems that the schema and `check` report, by line."""
+    parsed = parse(kind, read(path))
+    problems = list(parsed.problems)
+    if parsed.scenario is not None:
+        parsed.scenario = parsed.scenario.at(path.parent)
+        problems += [parsed.located(*fault) for fault in check(parsed.scenario, parsed.dropped)]
+    return parsed.scenario, sorted(problems, key=lambda p: p.line or 0)
 
 
-def overridden(scenario: Scenario, fields: dict[str, Any], own: Iterable[str]) -> Scenario:
-    """The scenario with other plain fields."""
-    unknown = [name for name in fields if name not in PLAIN]
-    if unknown:
-        told = [
-            Problem("is no known override", near(n, dict.fromkeys((*own, *PLAIN))), n)
-            for n in unknown
-        ]
-        raise ScenarioError(scenario.name, told)
+def _overridden(
+    scenario: AnyScenario, fields: dict[str, Any], parameters: Iterable[str]
+) -> AnyScenario:
+    """The scenario with other values of plain fields."""
+    _check_names(scenario.name, fields, parameters)
     try:
         return scenario.replace(**fields) if fields else scenario
     except ValidationError as error:
-        raise ScenarioError(scenario.name, told_by(error)) from None
+        raise ScenarioError(scenario.name, _argument_problems(error)) from None
 
 
-def told_by(error: ValidationError) -> list[Problem]:
-    """What is wrong with arguments."""
-    return [problem(e, Reading(Document({}))) for e in error.errors(include_url=False)]
+def _check_names(source: str, overrides: Iterable[str], parameters: Iterable[str]) -> None:
+    """Raise a ScenarioError for overrides that are neither parameters nor plain fields."""
+    known = dict.fromkeys((*parameters, *PLAIN_FIELDS))
+    unknown = [name for name in overrides if name not in known]
+    if unknown:
+        problems = [Problem("is no known override", near(name, known), name) for name in unknown]
+        raise ScenarioError(source, problems)
+
+
+def _argument_problems(error: ValidationError) -> list[Problem]:
+    """The problems of arguments, which have no lines."""
+    parsed: Parsed[ScenarioSpec] = Parsed(Document({}))
+    return [problem_of(e, parsed) for e in error.errors(include_url=False)]

@@ -1,4 +1,4 @@
-"""Scenarios as files: what is in one, with units. `Scenario.load` and `.save`, `.build()`.
+"""The schema of scenario files, with units.
 
 Meters, seconds, radians, right-handed, z up. A configuration is that of `fgenv.robots.Robot`:
 planar x, y, yaw; free x, y, z, qx, qy, qz, qw; then one number for each joint.
@@ -7,11 +7,10 @@ planar x, y, yaw; free x, y, z, qx, qy, qz, qw; then one number for each joint.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, model_validator
 
-from fgenv.collision import World
 from fgenv.robots.urdf import rotation
 from fgenv.scenarios.shapes.base import Spec, quantity
 from fgenv.scenarios.shapes.bodies import AnyForm
@@ -20,8 +19,6 @@ from .drive_specs import AnyDrive, Lidar
 
 if TYPE_CHECKING:
     from fgenv.arrays import Floats
-
-    from .build import Built
 
 VERSION = 1
 Coordinate = Annotated[float, quantity("m or rad", "Coordinate", ge=-1e6, le=1e6)]
@@ -118,12 +115,10 @@ class Body(Placement):
     groups: tuple[Name, ...] = Field(default=(), description="For allowed")
 
 
-class Scenario(Spec):
-    """Robots with starts and goals among bodies; immutable.
+class ScenarioSpec(Spec):
+    """The content of a scenario file; immutable. `Scenario` adds loading, saving and building."""
 
-    `Scenario.load` reads a file or makes a built-in one, `build` makes robots and arrays of it,
-    `world` a `World` with all bodies, `problems` says what is wrong with it.
-    """
+    model_config = ConfigDict(title="Scenario")
 
     version: Literal[1] = Field(description="Of this schema")
     name: Name
@@ -152,65 +147,22 @@ class Scenario(Spec):
     )
 
     _folder: Path | None = PrivateAttr(None)
-    suffixes: ClassVar[tuple[str, ...]] = (".yaml", ".yml")
-
-    @classmethod
-    def load(cls, source: str | Path, **overrides: Any) -> Scenario:
-        """A scenario from a YAML file, or a built-in one by its name.
-
-        Args:
-            source: path (it ends in .yaml or .yml, or has a folder) or name.
-            overrides: for a built-in one, what it takes (n, seed, size and its own); for all,
-                fields of the schema that are plain: seed, time_step, horizon, on_collision...
-
-        Raises:
-            ScenarioError: all that is wrong, by line; or a name or override that is not known.
-            FileNotFoundError: no such file.
-        """
-        from .load import load
-
-        return load(source, overrides)
-
-    def save(self, path: str | Path) -> None:
-        """Write YAML; what has its default is left out.
-
-        Mesh and URDF files stay where they are; their paths are written from the new place.
-        """
-        from fgenv.scenarios.io.yaml_text import write
-
-        write(self, Path(path))
 
     @property
     def folder(self) -> Path | None:
         """What paths of mesh files are relative to; None: where the process is."""
         return self._folder
 
-    def at(self, folder: Path | None) -> Scenario:
+    def at(self, folder: Path | None) -> Self:
         """The same scenario, its paths relative to another folder."""
         other = self.model_copy()
         other._folder = folder
         return other
 
-    def replace(self, **changes: Any) -> Scenario:
+    def replace(self, **changes: Any) -> Self:
         """The same scenario but for some fields, checked against the schema."""
         plain = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self)(**{**plain, **changes}).at(self.folder)
-
-    def build(self) -> Built:
-        """Robots, starts, goals, shapes and poses as plain arrays."""
-        from .build import Built
-
-        return Built.of(self)
-
-    def world(self) -> World:
-        """A world of all bodies, the robots at their starts; see `Built.world`."""
-        return self.build().world()
-
-    def problems(self) -> tuple[Any, ...]:
-        """All that is wrong with files, limits and places; empty for a sound scenario."""
-        from .validation import problems
-
-        return tuple(problems(self))
 
     @property
     def dimension(self) -> int:

@@ -1,10 +1,10 @@
-"""What is wrong with a scenario that the schema lets pass: names, files, limits, places."""
+"""Faults of a scenario that the schema cannot express: names, files, limits, contacts."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,18 +12,16 @@ from fgenv.arrays import Floats
 from fgenv.robots import Robot
 from fgenv.scenarios.shapes.bodies import MeshFile
 
-from .build import ROBOTS, STATIC, Built, assembled, model_of, robot_of
+from .build import ROBOTS, STATIC, Built, assemble, robot_model, robot_of
 from .errors import Location, Problem, near, path_text
+from .schema import Body, RobotSpec, ScenarioSpec
 
-if TYPE_CHECKING:
-    from .schema import Body, RobotSpec, Scenario
-
-FAULTS = (ValueError, TypeError, OSError, ImportError)  # of a shape or model that cannot be built
+BUILD_ERRORS = (ValueError, TypeError, OSError, ImportError)  # raised by shapes and models
 ENDS = ("start", "goal")
 
 
-class Found(NamedTuple):
-    """Something wrong."""
+class Fault(NamedTuple):
+    """A fault, and its location in the scenario."""
 
     place: Location
     text: str
@@ -31,52 +29,52 @@ class Found(NamedTuple):
 
     @property
     def problem(self) -> Problem:
-        """As users see it; the line is told by who has the file."""
+        """The fault without a line, which only a file has."""
         return Problem(self.text, self.remedy, path_text(self.place))
 
 
-def problems(scenario: Scenario) -> list[Problem]:
+def problems(scenario: ScenarioSpec) -> list[Problem]:
     """See `Scenario.problems`."""
-    return [found.problem for found in everything(scenario)]
+    return [fault.problem for fault in all_faults(scenario)]
 
 
-def everything(scenario: Scenario, gone: Collection[str] = ()) -> list[Found]:
-    """All that is wrong. What hangs on something wrong, or on names `gone`, is left out."""
-    found = [*references(scenario, gone), *files(scenario)]
-    bad = {(f.place[0], f.place[1]) for f in found if len(f.place) > 1}
-    built, robots, faults = buildable(scenario, bad)
-    found += [f for f in faults if f.place[:2] not in bad]
-    return found + list(places(built, robots))
+def all_faults(scenario: ScenarioSpec, dropped: Collection[str] = ()) -> list[Fault]:
+    """All faults; those that only follow from another fault or a dropped name are left out."""
+    faults = [*reference_faults(scenario, dropped), *file_faults(scenario)]
+    invalid = {(f.place[0], f.place[1]) for f in faults if len(f.place) > 1}
+    built, robots, build_faults = build_valid(scenario, invalid)
+    faults += [f for f in build_faults if f.place[:2] not in invalid]
+    return faults + list(contact_faults(built, robots))
 
 
-def references(scenario: Scenario, gone: Collection[str] = ()) -> Iterator[Found]:
-    """Names that nothing bears, or that two bear."""
+def reference_faults(scenario: ScenarioSpec, dropped: Collection[str] = ()) -> Iterator[Fault]:
+    """References to names that do not exist, and names that exist twice."""
     for name, model in scenario.models.items():
         if model.shape is not None:
-            yield from _known(("models", name, "shape"), model.shape, scenario.shapes, gone)
+            yield from _reference(("models", name, "shape"), model.shape, scenario.shapes, dropped)
     for i, robot in enumerate(scenario.robots):
-        yield from _known(("robots", i, "model"), robot.model, scenario.models, gone)
+        yield from _reference(("robots", i, "model"), robot.model, scenario.models, dropped)
     for i, body in enumerate(scenario.bodies):
-        yield from _known(("bodies", i, "shape"), body.shape, scenario.shapes, gone)
-    yield from _repeated(scenario)
+        yield from _reference(("bodies", i, "shape"), body.shape, scenario.shapes, dropped)
+    yield from _repeated_names(scenario)
     parts: list[RobotSpec | Body] = [*scenario.robots, *scenario.bodies]
     groups = {ROBOTS, STATIC, *(g for p in parts for g in (p.name or "", *p.groups))}
     for i, pair in enumerate(scenario.allowed):
         for k in (0, 1):
-            yield from _known(("allowed", i, k), pair[k], groups - {""}, gone)
+            yield from _reference(("allowed", i, k), pair[k], groups - {""}, dropped)
     if scenario.time_step > scenario.horizon:
         text = f"is {scenario.time_step:g} s, longer than the horizon of {scenario.horizon:g} s"
-        yield Found(("time_step",), text, "shorten it")
+        yield Fault(("time_step",), text, "shorten it")
 
 
-def _known(
-    place: Location, name: str, known: Collection[str], gone: Collection[str]
-) -> Iterator[Found]:
-    if name not in known and name not in gone:
-        yield Found(place, f"nothing is named {name!r}", near(name, known))
+def _reference(
+    place: Location, name: str, known: Collection[str], dropped: Collection[str]
+) -> Iterator[Fault]:
+    if name not in known and name not in dropped:
+        yield Fault(place, f"nothing is named {name!r}", near(name, known))
 
 
-def _repeated(scenario: Scenario) -> Iterator[Found]:
+def _repeated_names(scenario: ScenarioSpec) -> Iterator[Fault]:
     named = [(("robots", i, "name"), r.name) for i, r in enumerate(scenario.robots)]
     named += [
         (("bodies", i, "name"), b.name or f"body {i + 1}") for i, b in enumerate(scenario.bodies)
@@ -84,73 +82,80 @@ def _repeated(scenario: Scenario) -> Iterator[Found]:
     count = Counter(name for _, name in named)
     for place, name in named:
         if count[name] > 1:
-            yield Found(
-                place, f"{name!r} names {count[name]} robots or bodies", "rename all but one"
-            )
+            text = f"{name!r} names {count[name]} robots or bodies"
+            yield Fault(place, text, "rename all but one")
 
 
-def files(scenario: Scenario) -> Iterator[Found]:
-    """Mesh files that are missing, or have another hash."""
-    for name, form in scenario.shapes.items():
-        if isinstance(form, MeshFile):
-            place, path = ("shapes", name), form.path(scenario.folder)
-            if not path.is_file():
-                what = "is a folder" if path.is_dir() else "does not exist"
-                told = "put it there, or write its path relative to the scenario file"
-                yield Found((*place, "file"), f"{path} {what}", told)
-                continue
-            try:
-                form.check_hash(scenario.folder)
-            except (OSError, ValueError) as error:
-                told = "get the file that was meant, or write its hash"
-                yield Found((*place, "sha256"), str(error), told)
+def file_faults(scenario: ScenarioSpec) -> Iterator[Fault]:
+    """Mesh files that are missing or have another hash."""
+    for name, shape in scenario.shapes.items():
+        if not isinstance(shape, MeshFile):
+            continue
+        place, path = ("shapes", name), shape.path(scenario.folder)
+        if not path.is_file():
+            state = "is a folder" if path.is_dir() else "does not exist"
+            remedy = "put it there, or write its path relative to the scenario file"
+            yield Fault((*place, "file"), f"{path} {state}", remedy)
+            continue
+        try:
+            shape.check_hash(scenario.folder)
+        except (OSError, ValueError) as error:
+            remedy = "get the file with this hash, or update the hash"
+            yield Fault((*place, "sha256"), str(error), remedy)
 
 
-def buildable(
-    scenario: Scenario, bad: Collection[tuple[str | int, str | int]]
-) -> tuple[Built, list[int], list[Found]]:
-    """All of a scenario that can be built, the places of its robots, and why the rest cannot."""
-    found: list[Found] = []
+def build_valid(
+    scenario: ScenarioSpec, invalid: Collection[tuple[str | int, str | int]]
+) -> tuple[Built, list[int], list[Fault]]:
+    """Build the valid parts of a scenario.
+
+    Returns:
+        The valid parts, the indices of their robots in the scenario, and the faults of the rest.
+    """
+    faults: list[Fault] = []
     shapes, models, robots = {}, {}, {}
     for name, form in scenario.shapes.items():
-        if ("shapes", name) not in bad:
+        if ("shapes", name) not in invalid:
             try:
                 shapes[name] = form.shape(scenario.folder)
-            except FAULTS as error:
-                found.append(Found(("shapes", name), _line(error), ""))
+            except BUILD_ERRORS as error:
+                faults.append(Fault(("shapes", name), _line(error), ""))
     for name, model in scenario.models.items():
         if model.shape is None or model.shape in shapes:
             try:
-                models[name] = model_of(scenario, model)
-            except FAULTS as error:
+                models[name] = robot_model(scenario, model)
+            except BUILD_ERRORS as error:
                 part = ("drive",) if str(error).startswith("drive:") else ()
-                found.append(Found(("models", name, *part), _line(error), ""))
+                faults.append(Fault(("models", name, *part), _line(error), ""))
     for i, spec in enumerate(scenario.robots):
-        if spec.model in models:
-            try:
-                robots[i] = robot_of(models[spec.model], spec)
-            except FAULTS as error:
-                found.append(Found(("robots", i, "mount"), _line(error), ""))
-    for i, robot in list(robots.items()):
-        if wrong := list(configurations(scenario, i, robot)):
-            found += wrong
-            del robots[i]
+        if spec.model not in models:
+            continue
+        try:
+            robot = robot_of(models[spec.model], spec)
+        except BUILD_ERRORS as error:
+            faults.append(Fault(("robots", i, "mount"), _line(error), ""))
+            continue
+        if wrong := list(_configuration_faults(scenario, i, robot)):
+            faults += wrong
+        else:
+            robots[i] = robot
     bodies = [i for i, body in enumerate(scenario.bodies) if body.shape in shapes]
-    return assembled(distinct(scenario), shapes, robots, bodies), list(robots), found
+    return assemble(_with_distinct_names(scenario), shapes, robots, bodies), list(robots), faults
 
 
-def distinct(scenario: Scenario) -> Scenario:
-    """The scenario with another name for what bears one that is taken."""
+def _with_distinct_names(scenario: ScenarioSpec) -> ScenarioSpec:
+    """The scenario with another name for each robot or body whose name is taken."""
     seen: Counter[str] = Counter()
     changes = {}
-    for what, prefix in (("robots", "robot"), ("bodies", "body")):
-        named = []
-        for i, item in enumerate(getattr(scenario, what)):
+    for key, prefix in (("robots", "robot"), ("bodies", "body")):
+        items = []
+        for i, item in enumerate(getattr(scenario, key)):
             name = item.name or f"{prefix} {i + 1}"
             seen[name] += 1
-            other = name if seen[name] == 1 else f"{name} ({seen[name]})"
-            named.append(item if other == item.name else item.model_copy(update={"name": other}))
-        changes[what] = tuple(named)
+            distinct = name if seen[name] == 1 else f"{name} ({seen[name]})"
+            update = {"name": distinct}
+            items.append(item if distinct == item.name else item.model_copy(update=update))
+        changes[key] = tuple(items)
     return scenario.model_copy(update=changes)
 
 
@@ -158,78 +163,72 @@ def _line(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def configurations(scenario: Scenario, i: int, robot: Robot) -> Iterator[Found]:
-    """Start and goal of a robot: as many numbers as it has coordinates, within its limits."""
+def _configuration_faults(scenario: ScenarioSpec, i: int, robot: Robot) -> Iterator[Fault]:
+    """Starts and goals with a wrong number of coordinates, or outside the robot's limits."""
     for end in ENDS:
         q, place = np.array(getattr(scenario.robots[i], end)), ("robots", i, end)
         if len(q) != robot.nq:
-            told = f"has {len(q)} numbers, expected {robot.nq}: {', '.join(robot.coordinates)}"
-            yield Found(place, told, "write one for each")
+            text = f"has {len(q)} numbers, expected {robot.nq}: {', '.join(robot.coordinates)}"
+            yield Fault(place, text, "write one for each")
         elif not robot.valid(q):
-            yield from _beyond(place, robot, q)
+            yield from _limit_faults(place, robot, q)
 
 
-def _beyond(place: Location, robot: Robot, q: Floats) -> Iterator[Found]:
-    """Which coordinates are outside which limits."""
-    turn = [name for name in ("qx", "qy", "qz", "qw") if robot.base == "free"]
-    for name, x, low, high in zip(robot.coordinates, q, robot.lower, robot.upper, strict=True):
-        if (
-            name not in turn
-            and not low <= x <= high
-            and not robot.endless[robot.coordinates.index(name)]
-        ):
-            what = "the workspace" if name in ("x", "y", "z") else "the joint's limits"
-            told = f"{name} is {x:g}, outside {what}, {low:g} to {high:g}"
-            yield Found(place, told, f"move it inside, or widen {what}")
-    size = float(np.sqrt(np.sum(q[3:7] ** 2))) if turn else 1.0
-    if abs(size - 1.0) > 1e-6:
-        yield Found(
-            place,
-            f"its quaternion has length {size:g}, expected 1",
-            "qx, qy, qz, qw = 0, 0, 0, 1 is level",
-        )
+def _limit_faults(place: Location, robot: Robot, q: Floats) -> Iterator[Fault]:
+    """The coordinates that are outside their limits."""
+    quaternion = [name for name in ("qx", "qy", "qz", "qw") if robot.base == "free"]
+    limits = zip(robot.coordinates, q, robot.lower, robot.upper, robot.endless, strict=True)
+    for name, x, low, high, endless in limits:
+        if name not in quaternion and not low <= x <= high and not endless:
+            bounds = "the workspace" if name in ("x", "y", "z") else "the joint's limits"
+            text = f"{name} is {x:g}, outside {bounds}, {low:g} to {high:g}"
+            yield Fault(place, text, f"move it inside, or widen {bounds}")
+    length = float(np.sqrt(np.sum(q[3:7] ** 2))) if quaternion else 1.0
+    if abs(length - 1.0) > 1e-6:
+        text = f"its quaternion has length {length:g}, expected 1"
+        yield Fault(place, text, "qx, qy, qz, qw = 0, 0, 0, 1 is level")
 
 
-def places(built: Built, numbers: Sequence[int]) -> Iterator[Found]:
-    """Starts and goals that meet a body, each other, or the robot itself.
+def contact_faults(built: Built, numbers: Sequence[int]) -> Iterator[Fault]:
+    """Starts and goals in contact with a body, with another robot, or with the robot itself.
 
     Args:
         built: robots and bodies.
-        numbers: places of its robots in the scenario.
+        numbers: indices of its robots in the scenario.
     """
-    for end, at in zip(ENDS, (built.starts, built.goals), strict=True):
-        world = built.world(at)
+    for end, configurations in zip(ENDS, (built.starts, built.goals), strict=True):
+        world = built.world(configurations)
         names = dict(zip(world.ids.tolist(), world.names, strict=True))
-        owner = {
+        robot_of_body = {
             body: i for i, own in enumerate(built.groups) for body in world.parts(own[0]).tolist()
         }
-        seen = set()
+        reported = set()
         for pair in world.contact_pairs().tolist():
             a, b = (names[k] for k in pair)
-            who = owner.get(pair[0]), owner.get(pair[1])
+            robots = robot_of_body.get(pair[0]), robot_of_body.get(pair[1])
             vanish = built.scenario.at_goal == "vanish" and end == "goal"
-            if who in seen or (vanish and None not in who and who[0] != who[1]):
+            gone = vanish and None not in robots and robots[0] != robots[1]
+            if robots in reported or gone:
                 continue
-            seen.add(who if None not in who else (a, b))
-            yield _met(built, numbers, end, (a, b), who)
+            reported.add(robots if None not in robots else (a, b))
+            yield _contact_fault(built, numbers, end, (a, b), robots)
 
 
-def _met(
+def _contact_fault(
     built: Built,
     numbers: Sequence[int],
     end: str,
     names: tuple[str, str],
-    who: tuple[int | None, int | None],
-) -> Found:
-    """Two bodies that meet, told of the robot, or of the later of two."""
-    one, other = who if who[1] is not None else who[::-1]
+    robots: tuple[int | None, int | None],
+) -> Fault:
+    """The fault of two bodies in contact, located at the robot, or at the later of two."""
+    one, other = robots if robots[1] is not None else robots[::-1]
     assert other is not None
     place = ("robots", numbers[other], end)
     if one == other:
-        return Found(
-            place, f"the robot touches itself: {names[0]} and {names[1]}", f"move the {end}"
-        )
+        text = f"the robot touches itself: {names[0]} and {names[1]}"
+        return Fault(place, text, f"move the {end}")
     if one is None:
-        body = names[0] if who[0] is None else names[1]
-        return Found(place, f"meets {body!r}", f"move the {end}, or allow the contact")
-    return Found(place, f"overlaps the {end} of {built.groups[one][0]!r}", "move one of them")
+        body = names[0] if robots[0] is None else names[1]
+        return Fault(place, f"meets {body!r}", f"move the {end}, or allow the contact")
+    return Fault(place, f"overlaps the {end} of {built.groups[one][0]!r}", "move one of them")

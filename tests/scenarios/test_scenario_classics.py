@@ -10,10 +10,10 @@ import trimesh
 from pydantic import TypeAdapter
 
 from fgenv.scenarios import Built, Scenario, frozen
-from fgenv.scenarios.io.yaml_text import dump
 from fgenv.scenarios.library import ENTRIES, maze
 from fgenv.scenarios.rng import Dice
 from fgenv.scenarios.shapes.bodies import AnyForm
+from fgenv.scenarios.yaml_io import dump
 
 TRIANGLES = {  # of what stands, and of the mover
     "cubicles": (324, 20),

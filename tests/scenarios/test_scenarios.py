@@ -21,10 +21,10 @@ from fgenv.cli import app
 from fgenv.collision import Shape
 from fgenv.robots import Robot
 from fgenv.scenarios import Built, Scenario, ScenarioError
-from fgenv.scenarios.io.yaml_text import dump
 from fgenv.scenarios.library import ENTRIES
 from fgenv.scenarios.library.random import PITCH
 from fgenv.scenarios.rng import Dice, micro
+from fgenv.scenarios.yaml_io import dump
 
 MANY = [name for name, e in ENTRIES.items() if "n" in e.parameters and e.most > 2]
 WAYS: list[tuple[str, dict[str, Any]]] = [

@@ -22,7 +22,8 @@ from fgenv.arrays import Floats
 from fgenv.robots import Drive, JointVelocity, Robot
 from fgenv.scenarios.build import urdf_path
 from fgenv.scenarios.drive_specs import DriveSpec
-from fgenv.scenarios.schema import Body, Model, RobotSpec, Scenario, Tolerance
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Body, Model, RobotSpec, Tolerance
 from fgenv.scenarios.shapes.bodies import AnyForm
 
 from .ros import joints, mounted, placement, pose_of

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from fgenv.scenarios.errors import Location, Problem, ScenarioError, path_text
-from fgenv.scenarios.parse import short
-
-from .yaml_text import Document, FastLoader, parse, read
+from fgenv.scenarios.errors import Location, Problem, ScenarioError, path_text, short
+from fgenv.scenarios.yaml_io import Document, FastLoader, parse, read
 
 Numbers = tuple[float, ...]
 MOST, LONGEST = 1e6, 80  # of numbers, and of names

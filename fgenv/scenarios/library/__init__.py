@@ -1,5 +1,7 @@
 """Scenarios that come with fgenv: generators, a file each, and scenario files."""
 
+from fgenv.scenarios.registry import ENTRIES, Entry, entry
+
 from . import (
     bug_trap,
     cell,
@@ -13,10 +15,10 @@ from . import (
     random,
     rings,
     swap,
+    three_tanks,
     twist,
     warehouse,
 )
-from .registry import ENTRIES, Entry, entry
 
 __all__ = [
     "ENTRIES",
@@ -34,6 +36,7 @@ __all__ = [
     "random",
     "rings",
     "swap",
+    "three_tanks",
     "twist",
     "warehouse",
 ]

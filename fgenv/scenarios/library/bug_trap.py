@@ -6,12 +6,12 @@ from typing import Annotated
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, builtin
 from fgenv.scenarios.rng import Dice
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, bare, scatter, sent, team
 from .quaternion import any_way, pose
-from .registry import Seed, builtin
 
 RADIUS, WALL, HALF = 1.0, 0.05, 2.0  # meters: of the trap; half a side of the workspace
 ROD = {"kind": "cylinder", "radius": 0.04, "length": 0.5}

@@ -8,11 +8,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro, sin_cos
-from fgenv.scenarios.schema import Placement, Scenario
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Placement
 
 from .placing import Q, bare, block, body, scatter, sent, team
-from .registry import Seed, Size, builtin
 
 ARM = "package://fgenv/scenarios/library/arm.urdf"
 GAP = 0.002  # meters of a base plate that is not modeled: arms may stand on the table, not hit it

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
-from .registry import N, Seed, Size, builtin
 
 WIDTH, BAY, DEEP = 0.9, 1.4, 0.9  # meters: of the corridor, of a bay along it, of a bay inwards
 

@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Body, Scenario
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Body
 
 from .maze import Boxes, Corner, Wall, around_window, beside_door, opened, walls
 from .placing import Q, bare, scatter, sent, team
 from .quaternion import about, pose
-from .registry import Seed, builtin
 
 COLUMNS, ROWS, CELL = 3, 2, 2.6  # cubicles of a storey along x and y, meters of each
 X, Y = COLUMNS * CELL / 2, ROWS * CELL / 2  # meters, half of the office

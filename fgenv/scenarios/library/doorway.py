@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from fgenv.scenarios.registry import Drive, Meters, N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, area, bare, block, body, fence, scatter, sent, team
-from .registry import Drive, Meters, N, Seed, Size, builtin
 
 RADIUS, WALL, HEIGHT = 0.25, 0.2, 0.6  # meters
 

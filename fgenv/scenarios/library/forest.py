@@ -8,11 +8,12 @@ from typing import Annotated
 from pydantic import Field
 
 from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.registry import N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario, yaw_quaternion
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import yaw_quaternion
 
 from .placing import CROWDED, TRIES, Q, bare, body, scatter, sent, team
-from .registry import N, Seed, Size, builtin
 
 TREES = {
     "spruce": {"kind": "tree", "radius": 0.14, "height": 4.5, "crown": 0.9},

@@ -7,12 +7,13 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Body, Scenario
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Body
 
 from .placing import Q, bare, block, body, scatter, sent, team
 from .quaternion import about, pose
-from .registry import Seed, builtin
 
 LENGTH, WIDTH = 9.0, 7.0  # meters, of the home along x and y
 TALL, THICK, LINTEL = 2.6, 0.12, 2.1  # meters, of walls; where a door ends

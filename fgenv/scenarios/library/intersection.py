@@ -8,11 +8,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.registry import N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
-from .registry import N, Seed, Size, builtin
 
 LANE, PITCH = 2.0, 3.5  # meters: width of a lane, room of a car in a queue
 CAR = {"kind": "car", "length": 2.5, "width": 1.2, "height": 1.2}

@@ -9,7 +9,8 @@ import numpy as np
 
 from fgenv.scenarios.errors import Problem, ScenarioError
 from fgenv.scenarios.rng import micro
-from fgenv.scenarios.schema import Body, RobotSpec, Scenario
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Body, RobotSpec
 
 Q = tuple[float, ...]
 TRIES = 3000  # for one robot

@@ -16,11 +16,11 @@ from typing import Annotated
 from pydantic import Field
 
 from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.registry import Drive, N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import CROWDED, Q, area, bare, block, body, sent, team
-from .registry import Drive, N, Seed, Size, builtin
 
 PITCH, CLEAR = 2.0, 0.4  # meters: between lines; from a line to the next obstacle, at least
 DISC = {"kind": "disc", "radius": 0.3, "height": 0.35}  # the prism reaches 0.306 m

@@ -7,12 +7,12 @@ from typing import Annotated
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, bare, scatter, sent, team
 from .quaternion import about, after, any_way, pose
-from .registry import Seed, builtin
 
 RADIUS, BAR, HALF = 0.5, 0.14, 1.8  # meters: of a ring, of its bar (diameter), of the workspace
 TURN = 6.9  # rad, that a ring's bar goes round: its ends overlap by a tenth

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Drive, N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro, sin_cos
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, area, bare, block, scatter, sent, team
-from .registry import Drive, N, Seed, Size, builtin
 
 BODIES = {
     "disc": {"kind": "disc", "radius": 0.3, "height": 0.35},

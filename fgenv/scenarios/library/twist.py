@@ -7,12 +7,12 @@ from typing import Annotated
 
 from pydantic import Field
 
+from fgenv.scenarios.registry import Seed, builtin
 from fgenv.scenarios.rng import Dice
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import Q, bare, body, scatter, sent, team
 from .quaternion import any_way, pose
-from .registry import Seed, builtin
 
 THICK, SIDE, TURN = 0.5, 2.6, math.pi / 2  # of the wall, meters; of the channel, rad
 LENGTH, WIDTH, HEIGHT = 0.3, 0.8, 0.08  # meters, of the bar

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from fgenv.scenarios.errors import Problem, ScenarioError
+from fgenv.scenarios.registry import N, Seed, Size, builtin
 from fgenv.scenarios.rng import Dice, micro
-from fgenv.scenarios.schema import Scenario
+from fgenv.scenarios.scenario import Scenario
 
 from .placing import CROWDED, Q, area, bare, body, fence, scatter, sent, team
-from .registry import N, Seed, Size, builtin
 
 RACK = {"kind": "shelf", "length": 2.0, "depth": 1.0, "height": 1.6, "clear": 0.35, "levels": 3}
 CELL = (3.4, 2.6)  # meters along x and y for a rack and the aisles beside it

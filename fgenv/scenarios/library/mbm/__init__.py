@@ -13,8 +13,9 @@ from fgenv.robots import JointVelocity
 from fgenv.scenarios.drive_specs import DriveSpec
 from fgenv.scenarios.io.moveit import problem_of, scene_of
 from fgenv.scenarios.io.yaml_node import Node
-from fgenv.scenarios.library.registry import builtin
-from fgenv.scenarios.schema import Model, Scenario
+from fgenv.scenarios.registry import builtin
+from fgenv.scenarios.scenario import Scenario
+from fgenv.scenarios.schema import Model
 
 FOLDER = Path(__file__).parent
 HERE = "package://fgenv/scenarios/library/mbm"

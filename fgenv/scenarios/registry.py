@@ -5,15 +5,15 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, ParamSpec, TypeVar
 
 from pydantic import Field, validate_call
 
-from fgenv.scenarios.errors import Problem, ScenarioError, near
-from fgenv.scenarios.schema import Scenario
+from .errors import Problem, ScenarioError, near
+from .schema import ScenarioSpec
 
-FOLDER = Path(__file__).parent
+P = ParamSpec("P")
+AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
 
 N = Annotated[int, Field(ge=1, le=64, strict=True)]  # robots
 Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
@@ -28,14 +28,14 @@ class Entry:
 
     Attributes:
         name: for `Scenario.load`.
-        make: makes it; its parameters are the overrides that it takes.
+        make: the generator; its parameters are the overrides of the scenario.
         dimension: 2 or 3.
-        about: in one line.
-        most: robots.
+        about: a description in one line.
+        most: maximum number of robots.
     """
 
     name: str
-    make: Callable[..., Scenario]
+    make: Callable[..., ScenarioSpec]
     dimension: int
     about: str
     most: int = 64
@@ -48,13 +48,13 @@ class Entry:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """All of that, for JSON."""
+        """All attributes, for JSON."""
         plain = {"name": self.name, "dimension": self.dimension, "about": self.about}
         return {**plain, "most": self.most, "takes": self.parameters}
 
     @property
     def robots(self) -> str:
-        """How many it takes, and has if not told."""
+        """The possible numbers of robots, and the default."""
         default, limits = self.parameters.get("n"), self.most
         return "1" if default is None else f"1 to {limits} ({default})"
 
@@ -64,10 +64,10 @@ ENTRIES: dict[str, Entry] = {}
 
 def builtin(
     dimension: int, most: int = 64
-) -> Callable[[Callable[..., Scenario]], Callable[..., Scenario]]:
-    """Register a generator by its name, its docstring's first line, and its checked parameters."""
+) -> Callable[[Callable[P, AnyScenario]], Callable[P, AnyScenario]]:
+    """Register a generator under its name, with its docstring's first line and its parameters."""
 
-    def register(make: Callable[..., Scenario]) -> Callable[..., Scenario]:
+    def register(make: Callable[P, AnyScenario]) -> Callable[P, AnyScenario]:
         checked = validate_call(make)
         name, about = make.__name__.strip("_"), inspect.getdoc(make) or ""
         ENTRIES[name] = Entry(name, checked, dimension, about.splitlines()[0].rstrip("."), most)
@@ -77,20 +77,12 @@ def builtin(
 
 
 def entry(name: str) -> Entry:
-    """The built-in scenario of that name.
+    """The built-in scenario with this name.
 
     Raises:
-        ScenarioError: there is none.
+        ScenarioError: unknown name.
     """
     if name not in ENTRIES:
         remedy = f"{near(name, ENTRIES)} (a file ends in .yaml)"
         raise ScenarioError(name, [Problem("is no built-in scenario", remedy)])
     return ENTRIES[name]
-
-
-@builtin(dimension=2)
-def three_tanks() -> Scenario:
-    """The published experiment: a mobile robot with a fork, a tank in its way, two beside it."""
-    from fgenv.scenarios.load import from_file
-
-    return from_file(FOLDER / "three_tanks.yaml")

@@ -7,19 +7,18 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import yaml
 
-from fgenv.scenarios.errors import Problem, ScenarioError
-from fgenv.scenarios.shapes.bodies import MeshFile
-
-if TYPE_CHECKING:
-    from fgenv.scenarios.schema import Scenario
+from .errors import Problem, ScenarioError
+from .schema import ScenarioSpec
+from .shapes.bodies import MeshFile
 
 LONGEST = 50_000_000  # characters of a file
 WIDTH = 100
 Location = Sequence[str | int]
+AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
 
 
 class Loader(yaml.SafeLoader):
@@ -129,12 +128,12 @@ def repeated(root: yaml.Node | None) -> list[Problem]:
     return found
 
 
-def write(scenario: Scenario, path: Path) -> None:
+def write(scenario: ScenarioSpec, path: Path) -> None:
     """See `Scenario.save`."""
     path.write_text(dump(moved(scenario, path.parent)), encoding="utf-8")
 
 
-def moved(scenario: Scenario, folder: Path) -> Scenario:
+def moved(scenario: AnyScenario, folder: Path) -> AnyScenario:
     """The same scenario, its mesh and URDF files by their paths from another folder."""
 
     def path(file: str) -> str:
@@ -157,7 +156,7 @@ def moved(scenario: Scenario, folder: Path) -> Scenario:
     return scenario.model_copy(update={"shapes": shapes, "models": models}).at(folder)
 
 
-def dump(scenario: Scenario) -> str:
+def dump(scenario: ScenarioSpec) -> str:
     """The scenario as YAML, its defaults left out; one line for what is short."""
     data = scenario.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     return str(yaml.dump(Block(data), Dumper=Dumper, sort_keys=False, width=WIDTH))
