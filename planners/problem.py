@@ -72,6 +72,7 @@ class Problem:
     @property
     def scenario(self) -> Scenario:
         """The scenario of the problem."""
+        assert isinstance(self.built.scenario, Scenario)
         return self.built.scenario
 
     @property

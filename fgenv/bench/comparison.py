@@ -15,8 +15,8 @@ from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.common.poses import random_poses, random_rotations
 from fgenv.bench.common.timing import each_call
-from fgenv.bench.common.truth import Truth
 from fgenv.bench.pairs.catalog import GYM, ROBOTS, TOOLBOX, Pair, Source
+from fgenv.bench.peers.ground_truth import Truth
 from fgenv.collision import Shape, collide
 from fgenv.paper.baselines import BASELINES, Baseline
 

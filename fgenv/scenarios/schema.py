@@ -116,7 +116,7 @@ class Body(Placement):
 
 
 class ScenarioSpec(Spec):
-    """The content of a scenario file; immutable. `Scenario` adds loading, saving and building."""
+    """Robots with starts and goals among bodies: the content of a scenario file."""
 
     model_config = ConfigDict(title="Scenario")
 

@@ -12,8 +12,8 @@ import trimesh
 from typer.testing import CliRunner
 
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.truth import Truth, part_points, winding_numbers
 from fgenv.bench.comparison import PAIRS, Outcome, Row, compare_pair, over_all
+from fgenv.bench.peers.ground_truth import Truth, part_points, winding_numbers
 from fgenv.cli import app
 
 

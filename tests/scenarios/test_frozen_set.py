@@ -95,7 +95,7 @@ def test_what_is_damaged_or_another_set_is_refused(tmp_path: Path) -> None:
         frozen(tmp_path / "none.npz")
     with pytest.raises(TypeError, match="takes none"):
         frozen(path, n=3)
-    with pytest.raises(ValueError, match="cases: 0"):
+    with pytest.raises(ValueError, match="cases: got 0"):
         frozen("swap", cases=0)
 
 

@@ -132,8 +132,8 @@ def test_shapes_are_one_closed_shell_that_looks_out(sizes: dict[str, Any]) -> No
     [
         ({"kind": "chair", "seat": 1.0}, "seat: got 1, expected less than the height"),
         ({"kind": "bug_trap", "radius": 1.0, "wall": 0.3, "throat": 0.3}, "throat: 0.3"),
-        ({"kind": "bug_trap", "radius": 1.0, "wall": 0.01, "throat": 0.3}, "wall: 0.01"),
-        ({"kind": "open_ring", "radius": 0.1, "thickness": 0.2, "turn": 3.0}, "thickness: 0.2"),
+        ({"kind": "bug_trap", "radius": 1.0, "wall": 0.01, "throat": 0.3}, "wall: got 0.01"),
+        ({"kind": "open_ring", "radius": 0.1, "thickness": 0.2, "turn": 3.0}, "thickness: got 0.2"),
         ({"kind": "open_ring", "radius": 1.0, "thickness": 0.2, "turn": 7.0}, "rise: expected"),
         (
             {"kind": "twisted_wall", "thickness": 1.0, "side": 1.0, "width": 0.8, "height": 0.3,

@@ -174,7 +174,7 @@ def test_overrides_of_the_schema_go_with_those_of_the_generator() -> None:
     ("name", "ways", "told"),
     [
         ("swp", {}, "did you mean 'swap'"),
-        ("", {}, "expected one of: three_tanks"),
+        ("", {}, "expected one of: bug_trap"),
         ("swap", {"jiter": 1}, "jiter: is no known override; did you mean 'jitter'"),
         ("swap", {"n": 0}, "n: is 0, should be greater than or equal to 1"),
         ("swap", {"n": 65}, "n: is 65"),

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from fgenv.arrays import Floats, Indices, Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import one_by_one
 
 Verdict = Callable[[Poses], bool]  # of one pose (4, 4)
 Verdicts = Callable[[Poses], NDArray[np.bool_]]  # (n, 4, 4) -> (n,)
@@ -22,6 +21,15 @@ ALL = slice(None)
 INSIDE = 0.42  # share of poses on the near side of the place where the body comes free
 USUAL = (-2.0, 0.0)  # decades of the distance from that place, in sizes of the smaller body
 NEAR = (-7.0, -1.0)
+
+
+def one_by_one(collide: Callable[[Poses], bool]) -> Callable[[Poses], NDArray[np.bool_]]:
+    """A batch for a library that has none: a Python loop."""
+
+    def collide_all(poses: Poses) -> NDArray[np.bool_]:
+        return np.fromiter((collide(pose) for pose in poses), np.bool_, len(poses))
+
+    return collide_all
 
 
 def random_rotations(rng: np.random.Generator, count: int) -> NDArray[np.float64]:

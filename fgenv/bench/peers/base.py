@@ -38,12 +38,3 @@ class Peer:
     def exact(self) -> bool:
         """Whether its verdicts are about the triangles themselves."""
         return self.truth == "meshes"
-
-
-def one_by_one(collide: Callable[[Poses], bool]) -> Callable[[Poses], NDArray[np.bool_]]:
-    """A batch for a library that has none: a Python loop."""
-
-    def collide_all(poses: Poses) -> NDArray[np.bool_]:
-        return np.fromiter((collide(pose) for pose in poses), np.bool_, len(poses))
-
-    return collide_all

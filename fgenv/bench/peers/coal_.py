@@ -9,7 +9,8 @@ import numpy as np
 
 from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, one_by_one
+from fgenv.bench.common.poses import one_by_one
+from fgenv.bench.peers.base import Checker, Peer
 
 
 def _build(mesh: Mesh) -> Any:

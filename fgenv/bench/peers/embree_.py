@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.peers.base import Checker, Peer, one_by_one
+from fgenv.bench.common.poses import one_by_one
+from fgenv.bench.peers.base import Checker, Peer
 
 
 class _Model:

@@ -12,7 +12,7 @@ import numpy as np
 from fgenv.arrays import Poses
 from fgenv.bench.common.memory import kept_bytes
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.common.truth import Truth
+from fgenv.bench.peers.ground_truth import Truth
 from fgenv.bench.world.crowd import Crowd, crowd
 from fgenv.bench.world.peers import Bodies, Manager, Pairs
 
