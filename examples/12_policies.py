@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.agents import NetworkPolicy, evaluate, run_episode
-from fgenv.agents.training.recipes import Stage, recipe_of
-from fgenv.agents.training.training import Training, TrainingConfig
+from fgenv.agents.training.config import Stage, TrainingConfig
+from fgenv.agents.training.recipes import recipe_of
+from fgenv.agents.training.training import Training
 from fgenv.envs import Simulator, View, register_policy
 from fgenv.scenarios import frozen
 

@@ -1,4 +1,4 @@
-"""Running an episode: a policy acts until it is over."""
+"""Episodes of one world, with a record."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ def run_episode(
     recorder: Recorder | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> Record:
-    """Run an episode of world 0, and record it.
+    """Run and record an episode.
 
     Args:
-        simulator: with `autoreset=False`; with `clearance=True` clearances are in the record.
-        policy: its actions are for all robots.
+        simulator: of one world, with `autoreset=False`; with `clearance=True` clearances are in
+            the record.
+        policy: acts for all robots.
         seed: of the world; None: its next episode.
-        steps: at most; as many as the horizon lets it if left out.
-        recorder: takes the record; what is in it outlives an interruption.
-        progress: called with the number of steps made so far.
+        steps: maximum number of steps; default: the horizon.
+        recorder: keeps the steps so far if the episode is interrupted.
+        progress: called with the number of steps so far.
 
     Raises:
-        ValueError: the simulator has several worlds or resets by itself; actions of a wrong shape,
-            or not finite.
+        ValueError: several worlds, autoreset, or invalid actions.
     """
     if simulator.n_worlds != 1:
-        raise ValueError(f"simulator: has {simulator.n_worlds} worlds, expected one")
+        raise ValueError(f"simulator: got {simulator.n_worlds} worlds, expected one")
     recorder = recorder or Recorder(type(policy).__name__)
     observations = simulator.reset(seed=seed)
     recorder.begin(simulator)

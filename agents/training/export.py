@@ -1,4 +1,4 @@
-"""A model of Stable-Baselines3 as a policy's file that needs no PyTorch."""
+"""Export of models of Stable-Baselines3 to policy files, which need no PyTorch."""
 
 from __future__ import annotations
 
@@ -12,50 +12,45 @@ import torch
 from fgenv import __version__
 from fgenv.agents.policies.policy_file import PolicyFile
 from fgenv.agents.policies.residual import ResidualConfig
+from fgenv.arrays import Floats
 from fgenv.envs import Simulator
 
-NAMES = {torch.nn.Tanh: "tanh", torch.nn.ReLU: "relu"}
+ACTIVATIONS = {torch.nn.Tanh: "tanh", torch.nn.ReLU: "relu"}
 
 
-def exported(
+def export_policy(
     model: Any,
-    normal: Any,
+    normalization: Any,
     simulator: Simulator,
     about: dict[str, Any],
-    base: ResidualConfig,
+    config: ResidualConfig,
 ) -> PolicyFile:
-    """The network that gives the best action, and the normalization of what it sees.
+    """Return the network of the deterministic action with its input normalization.
 
     Args:
-        model: PPO or A2C with an `MlpPolicy`, of tanh or relu layers.
-        normal: the `VecNormalize` that it was trained in; None: it saw observations as they are.
-        simulator: that it was trained in.
+        model: PPO or A2C with an `MlpPolicy` of tanh or relu layers.
+        normalization: `VecNormalize` of the training; None: observations were not normalized.
+        simulator: of the training.
         about: name, command, seed, scenario, steps.
-        base: what made actions of its output, see `HomingVecEnv`.
+        config: of the residual actions.
 
     Raises:
-        ValueError: the network is of another kind.
+        ValueError: another kind of network.
     """
-    inner, last = model.policy.mlp_extractor.policy_net, model.policy.action_net
-    linear = [module for module in inner if isinstance(module, torch.nn.Linear)]
-    kinds = {type(module) for module in inner if not isinstance(module, torch.nn.Linear)}
-    if len(kinds) > 1 or not kinds <= NAMES.keys() or not isinstance(last, torch.nn.Linear):
-        told = ", ".join(sorted(kind.__name__ for kind in kinds))
-        raise ValueError(f"model: layers of {told}, expected Tanh or ReLU throughout")
-    layers = tuple((numbers(module.weight).T, numbers(module.bias)) for module in (*linear, last))
+    layers, activation = network(model.policy)
     size = simulator.observation_size
     mean, std, clip = np.zeros(size), np.ones(size), 1e6
-    if normal is not None:
-        mean, clip = normal.obs_rms.mean.copy(), float(normal.clip_obs)
-        std = np.sqrt(normal.obs_rms.var + normal.epsilon)
-    whole = {
+    if normalization is not None:
+        mean, clip = normalization.obs_rms.mean.copy(), float(normalization.clip_obs)
+        std = np.sqrt(normalization.obs_rms.var + normalization.epsilon)
+    complete = {
         **about,
         "observation": asdict(simulator.observation),
         "parts": [[part.name, part.slice.stop - part.slice.start] for part in simulator.layouts[0]],
         "actions": simulator.actions,
         "action_names": [list(action[:4]) for action in simulator.robots[0].actions],
-        **asdict(base),
-        "activation": NAMES[next(iter(kinds))] if kinds else "tanh",
+        **asdict(config),
+        "activation": activation,
         "clip": clip,
         "versions": {
             "fgenv": __version__,
@@ -63,9 +58,21 @@ def exported(
             "stable_baselines3": stable_baselines3.__version__,
         },
     }
-    return PolicyFile(whole, mean, std, layers)
+    return PolicyFile(complete, mean, std, layers)
 
 
-def numbers(parameter: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """A parameter of a network."""
+def network(policy: Any) -> tuple[tuple[tuple[Floats, Floats], ...], str]:
+    """Return layers (weights, offsets) and the activation of a policy network."""
+    modules, last = policy.mlp_extractor.policy_net, policy.action_net
+    linear = [module for module in modules if isinstance(module, torch.nn.Linear)]
+    kinds = {type(module) for module in modules if not isinstance(module, torch.nn.Linear)}
+    if len(kinds) > 1 or not kinds <= ACTIVATIONS.keys() or not isinstance(last, torch.nn.Linear):
+        names = ", ".join(sorted(kind.__name__ for kind in kinds))
+        raise ValueError(f"model: got layers of {names}, expected Tanh or ReLU throughout")
+    layers = tuple((as_array(layer.weight).T, as_array(layer.bias)) for layer in (*linear, last))
+    return layers, ACTIVATIONS[next(iter(kinds))] if kinds else "tanh"
+
+
+def as_array(parameter: Any) -> Floats:
+    """Return a parameter of a network as an array."""
     return np.asarray(parameter.detach().cpu().numpy(), dtype=np.float64)

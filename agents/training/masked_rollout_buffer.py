@@ -1,4 +1,4 @@
-"""What PPO learns from: the steps of robots that were on the way."""
+"""A rollout buffer of PPO without the steps of robots at their goals."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.type_aliases import RolloutBufferSamples
 
-from fgenv.agents.training.multi_scenario import MixedVecEnv
+from fgenv.agents.training.multi_scenario import MultiScenarioVecEnv
 
 
-class MovingRollouts(RolloutBuffer):
-    """A rollout buffer without the steps of robots that rest at their goals.
+class MaskedRolloutBuffer(RolloutBuffer):
+    """Samples only the steps of rows that were moving.
 
-    These go on until all of their world have arrived, many times as long as those on the way where
-    somebody is late, and teach nothing: whatever they ask for is not done. Their value is 0.
+    A row continues after its robot has arrived, until its world ends. Actions have no effect in
+    these steps, which can outnumber the others. Their value is 0.
 
     Attributes:
-        envs: of which the rows are.
+        envs: environments of the rows.
     """
 
-    envs: MixedVecEnv
+    envs: MultiScenarioVecEnv
 
     def reset(self) -> None:
-        """Begin anew."""
+        """Empty the buffer."""
         super().reset()
-        self._counts = np.zeros((self.buffer_size, self.n_envs), dtype=bool)
+        self._mask = np.zeros((self.buffer_size, self.n_envs), dtype=bool)
 
     def add(
         self,
@@ -41,7 +41,7 @@ class MovingRollouts(RolloutBuffer):
         log_prob: torch.Tensor,
     ) -> None:
         """Add a step of all rows; see `RolloutBuffer`."""
-        moved = self._counts[self.pos] = self.envs.moved
+        moved = self._mask[self.pos] = self.envs.moved
         value = value.flatten() * torch.as_tensor(moved)
         super().add(obs, action, reward, episode_start, value, log_prob)
 
@@ -51,11 +51,11 @@ class MovingRollouts(RolloutBuffer):
         super().compute_returns_and_advantage(last_values.flatten() * moving, dones)
 
     def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
-        """Batches of those that count, in random order; the last ones, less than a batch, not."""
+        """Yield full batches of unmasked samples in random order; omit an incomplete last one."""
         if not self.generator_ready:
-            next(super().get(1))  # it lays the arrays out in rows
-        which = np.flatnonzero(self._counts.T)
-        which = which[torch.randperm(len(which)).numpy()]
-        size = min(batch_size or len(which), len(which))
-        for batch in which[: len(which) // size * size].reshape(-1, size):
+            next(super().get(1))  # flattens the arrays
+        samples = np.flatnonzero(self._mask.T)
+        samples = samples[torch.randperm(len(samples)).numpy()]
+        size = min(batch_size or len(samples), len(samples))
+        for batch in samples[: len(samples) // size * size].reshape(-1, size):
             yield self._get_samples(batch)

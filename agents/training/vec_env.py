@@ -1,8 +1,8 @@
-"""Stable-Baselines3: all robots of all worlds learn one policy, over the simulator's arrays.
+"""Stable-Baselines3: all robots of all worlds share one policy, over the simulator's arrays.
 
 >>> from stable_baselines3 import PPO
 >>> from fgenv.agents import FleetVecEnv
->>> envs = FleetVecEnv("swap", worlds=32, n=8, jitter=0.5)       # 256 rows
+>>> envs = FleetVecEnv("swap", n_envs=32, n=8, jitter=0.5)       # 32 worlds of 8 robots: 256 rows
 >>> PPO("MlpPolicy", envs).learn(100_000)
 """
 
@@ -14,17 +14,26 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
+try:
+    from stable_baselines3.common.vec_env import VecEnv
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
+except ModuleNotFoundError as error:
+    if error.name != "stable_baselines3":
+        raise
+    raise ModuleNotFoundError(
+        "FleetVecEnv needs stable_baselines3; pip install 'fgenv[agents]'", name=error.name
+    ) from None
+
+from fgenv.arrays import Floats32
 from fgenv.envs import Simulator
 from fgenv.envs.rendering import Frame, Screen
 from fgenv.envs.simulator import Source, Step
 from fgenv.envs.spaces import action_box, observation_box
 
 
-class Row:
-    """A robot of a world: what `get_attr` and `env_method` find, beside what all rows share."""
+class RowEnv:
+    """One robot of one world, for `get_attr` and `env_method`; other attributes are shared."""
 
     def __init__(self, envs: FleetVecEnv, index: int) -> None:
         self.envs = envs
@@ -32,16 +41,16 @@ class Row:
 
     @property
     def name(self) -> str:
-        """Of the robot."""
+        """Name of the robot."""
         return self.envs.simulator.names[self.robot]
 
     @property
     def seed(self) -> int:
-        """Of the world."""
+        """Seed of the world."""
         return int(self.envs.simulator.seeds[self.world])
 
     def render(self) -> Frame | None:
-        """The frame of the world."""
+        """Return the frame of the world."""
         return self.envs.screen.show(self.world)
 
     def __getattr__(self, name: str) -> Any:
@@ -51,38 +60,40 @@ class Row:
 
 
 class FleetVecEnv(VecEnv):
-    """Rows are worlds times robots: row w * n + i is robot i of world w.
+    """Steps `n_envs` worlds at once; row w * n + i is robot i of world w, for n robots per world.
 
-    All rows of a world end together, where all have arrived, a collision ends the episode, or the
-    horizon is reached; who arrives early rests until then, at reward 0. World w of seed s is that
-    of a simulator's reset(seed=s + w). Infos of rows that end have `terminal_observation`,
-    `is_success` (the robot has arrived) and `collisions` (steps in which it met something);
-    `TimeLimit.truncated` is in all.
+    As in Stable-Baselines3, `num_envs` is the number of rows, here n_envs * n.
+
+    All rows of a world end together: when all robots have arrived, a collision ends the episode, or
+    the horizon is reached. Robots that have arrived rest until then, at reward 0. World w of seed s
+    is the world of `Simulator.reset(seed=s + w)`. Infos of rows that end have
+    `terminal_observation`, `is_success` (the robot has arrived) and `collisions` (number of steps
+    with a contact); all infos have `TimeLimit.truncated`.
 
     Args:
-        scenario: a name, a file, a Scenario, a FrozenSet; or a Simulator, without autoreset.
-        worlds: how many.
+        scenario: a name, a file, a Scenario, a FrozenSet; or a Simulator without autoreset.
+        n_envs: number of worlds; ignored with a Simulator.
         render_mode: `rgb_array`, `human` or None.
         options: of `Simulator` (observation, reward, actions, starts, cases, clearance, max_steps,
-            threads), and overrides of the scenario (n, jitter...).
+            threads), and overrides of the scenario (n, jitter, ...).
 
     Raises:
-        ScenarioError, ValueError, TypeError: saying what does not fit, and the remedy.
+        ScenarioError, ValueError, TypeError: invalid arguments.
     """
 
     def __init__(
         self,
         scenario: Source | Simulator,
-        worlds: int = 1,
+        n_envs: int = 1,
         *,
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
         if not isinstance(scenario, Simulator):
-            scenario = Simulator(scenario, worlds, autoreset=False, **options)
+            scenario = Simulator(scenario, n_envs, autoreset=False, **options)
         self.simulator = scenario
         if self.simulator.autoreset:
-            raise ValueError("simulator: autoreset=True, expected False: the rows tell of the end")
+            raise ValueError("simulator: got autoreset=True, expected False")
         observation, action = shared_spaces(self.simulator)
         self.render_mode, self.screen = render_mode, Screen(self.simulator, render_mode)
         self._seed: int | None = None
@@ -94,14 +105,14 @@ class FleetVecEnv(VecEnv):
         }
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """World w gets seed + w at the next reset; returns that of each row. None: a random one."""
+        """Seed world w with seed + w at the next reset; return seeds of rows. None: a random seed."""
         if seed is None:
             seed = int(np.random.default_rng().integers(2**32))
         self._seed = seed
         return [seed + w for w in range(self.simulator.n_worlds) for _ in self.simulator.names]
 
-    def reset(self) -> NDArray[np.float32]:
-        """Begin episodes; observations (rows, size)."""
+    def reset(self) -> Floats32:
+        """Begin episodes; return observations (rows, size)."""
         rows, self._seed = self.simulator.reset(self._seed), None
         self._reset_seeds()
         self._reset_options()
@@ -119,43 +130,46 @@ class FleetVecEnv(VecEnv):
             observations (rows, size), rewards (rows,) float32, dones (rows,) bool, infos.
 
         Raises:
-            ValueError: wrong shape, or a number that is not finite. Nothing has changed then.
+            ValueError: wrong shape, or a number that is not finite. The state is unchanged.
         """
         simulator, actions = self.simulator, np.asarray(self._actions)
         expected = (self.num_envs, simulator.action_size)
         if actions.shape != expected:
-            raise ValueError(f"actions: shape {actions.shape}, expected {expected}, (rows, action)")
+            raise ValueError(
+                f"actions: got shape {actions.shape}, expected {expected}, (rows, size)"
+            )
         shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
-        done = simulator.step(actions.reshape(shape))
-        over, rows = done.terminated | done.truncated, done.observations
+        step = simulator.step(actions.reshape(shape))
+        ended, observations = step.terminated | step.truncated, step.observations
         infos: list[dict[str, Any]] = [{"TimeLimit.truncated": False} for _ in range(self.num_envs)]
-        if over.any():
-            ended = np.flatnonzero(over)
-            self._tell_ends(ended, done, infos)
-            rows[ended] = simulator.reset(worlds=ended)
-        rewards = done.rewards.astype(np.float32).reshape(-1)
-        return self._flat(rows), rewards, np.repeat(over, simulator.n_robots), infos
+        if ended.any():
+            worlds = np.flatnonzero(ended)
+            self._set_final_infos(worlds, step, infos)
+            observations[worlds] = simulator.reset(worlds=worlds)
+        rewards = step.rewards.astype(np.float32).reshape(-1)
+        return self._flat(observations), rewards, np.repeat(ended, simulator.n_robots), infos
 
     def get_images(self) -> Sequence[Frame | None]:
-        """A frame of each world."""
+        """Return a frame of each world."""
         return [self.screen.show(w) for w in range(self.simulator.n_worlds)]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Of each row: `name`, `world`, `robot`, `seed`; else the environment's or simulator's.
+        """Return an attribute of each row: `name`, `world`, `robot`, `seed`, or a shared one of the
+        environment or the simulator.
 
         Raises:
-            AttributeError: there is none.
+            AttributeError: no such attribute.
         """
         return [getattr(row, attr_name) for row in self._rows(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set it for all rows.
+        """Set an attribute for all rows.
 
         Raises:
-            ValueError: for some only; rows share what they have.
+            ValueError: for some rows only; rows share their attributes.
         """
         if indices is not None:
-            raise ValueError(f"indices: rows share {attr_name!r}, set it for all: indices=None")
+            raise ValueError(f"indices: got {indices!r}, expected None: rows share {attr_name!r}")
         setattr(self, attr_name, value)
 
     def env_method(
@@ -166,7 +180,7 @@ class FleetVecEnv(VecEnv):
         return [getattr(row, method_name)(*method_args, **method_kwargs) for row in rows]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """No row is."""
+        """Return False for each row."""
         return [False for _ in self._rows(indices)]
 
     def close(self) -> None:
@@ -176,41 +190,43 @@ class FleetVecEnv(VecEnv):
     def __copy__(self) -> FleetVecEnv:
         return copy.deepcopy(self)
 
-    def _rows(self, indices: Any) -> Iterable[Row]:
-        return [Row(self, int(i)) for i in self._get_indices(indices)]
+    def _rows(self, indices: Any) -> Iterable[RowEnv]:
+        return [RowEnv(self, int(i)) for i in self._get_indices(indices)]
 
-    def _flat(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    def _flat(self, rows: Floats32) -> Floats32:
         return rows.reshape(self.num_envs, -1)
 
-    def _tell_ends(self, ended: NDArray[np.int64], done: Step, infos: list[dict[str, Any]]) -> None:
-        last, late = done.observations[ended], done.truncated[ended].tolist()
-        arrived = (self.simulator.arrival_steps[ended] >= 0).tolist()
-        collisions = self.simulator.collision_counts[ended].tolist()
-        for k, w in enumerate(ended.tolist()):
-            for i in range(self.simulator.n_robots):
-                infos[w * self.simulator.n_robots + i] = {
+    def _set_final_infos(
+        self, worlds: NDArray[np.int64], step: Step, infos: list[dict[str, Any]]
+    ) -> None:
+        n = self.simulator.n_robots
+        last, truncated = step.observations[worlds], step.truncated[worlds].tolist()
+        arrived = (self.simulator.arrival_steps[worlds] >= 0).tolist()
+        collisions = self.simulator.collision_counts[worlds].tolist()
+        for k, w in enumerate(worlds.tolist()):
+            for i in range(n):
+                infos[w * n + i] = {
                     "terminal_observation": last[k, i],
-                    "TimeLimit.truncated": late[k],
+                    "TimeLimit.truncated": truncated[k],
                     "is_success": arrived[k][i],
                     "collisions": collisions[k][i],
                 }
 
 
 def shared_spaces(simulator: Simulator) -> tuple[Any, Any]:
-    """The spaces of observation and action that all robots have.
+    """Return the observation and action space of all robots.
 
     Raises:
-        ValueError: they differ.
+        ValueError: spaces of robots differ.
     """
     robots = range(simulator.n_robots)
-    seen = [observation_box(simulator, i) for i in robots]
-    done = [action_box(simulator, i) for i in robots]
+    observations = [observation_box(simulator, i) for i in robots]
+    actions = [action_box(simulator, i) for i in robots]
     for i in robots:
-        if seen[i] != seen[0] or done[i] != done[0]:
+        if observations[i] != observations[0] or actions[i] != actions[0]:
             first, other = simulator.names[0], simulator.names[i]
             raise ValueError(
-                f"scenario: {first!r} and {other!r} observe or act differently; one policy needs"
-                " robots of one kind, else use fgenv.parallel_env, or one learner of"
-                " gymnasium.make_vec"
+                f"scenario: got {first!r} and {other!r} with different spaces, expected robots of"
+                " one kind; use fgenv.parallel_env, or one learning robot with gymnasium.make_vec"
             )
-    return seen[0], done[0]
+    return observations[0], actions[0]

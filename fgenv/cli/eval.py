@@ -118,14 +118,14 @@ def set_of(
 
 def run(result: Evaluation, seed: int, jobs: int, console: Console) -> bool:
     """Fill it, with progress; whether it was interrupted."""
-    from fgenv.agents.evaluation.evaluation import units
+    from fgenv.agents.evaluation.evaluation import run_batches
     from fgenv.cli.movie import progress
 
     with progress(console) as bar:
         total = len(result.cases) * (len(result.policies) + 1)
         task = bar.add_task(result.cases.template.name, total=total)
         try:
-            for policy, found in units(result, seed, jobs):
+            for policy, found in run_batches(result, seed, jobs):
                 result.add(policy, found)
                 bar.advance(task, len(found))
         except KeyboardInterrupt:

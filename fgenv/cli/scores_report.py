@@ -92,7 +92,7 @@ def facts(result: Evaluation, seed: int) -> dict[str, Any]:
             "episodes": score.episodes,
             "shared": score.shared,
             **{key: [plain(x) for x in getattr(score, key)] for key in ROWS},
-            "failed_cases": [c for c in result.done if not result.episodes[name][c].success],
+            "failed_cases": [c for c in result.done if not result.results[name][c].success],
         }
         for name, score in result.scores.items()
     }
@@ -121,10 +121,10 @@ def csv_of(result: Evaluation) -> str:
     writer.writerow(COLUMNS)
     for policy in result.policies:
         for case in result.done:
-            episode, ways = result.episodes[policy][case], result.straight[case].robots
+            episode, ways = result.results[policy][case], result.unobstructed[case].robots
             seed = int(result.cases.seeds[case])
             for i, (robot, way) in enumerate(zip(episode.results.robots, ways, strict=True)):
-                met = episode.met_robots[i], episode.met_bodies[i]
+                met = episode.robot_collisions[i], episode.body_collisions[i]
                 went = robot.path_length, robot.unit, plain(robot.least_clearance)
                 told = policy, case, seed, robot.name, int(robot.success), robot.arrival
                 writer.writerow([*told, *met, *went, way.arrival, way.path_length])

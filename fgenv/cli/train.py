@@ -18,7 +18,8 @@ from fgenv.cli.scenarios import given
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fgenv.agents.training.training import Check, Training
+    from fgenv.agents.training.training import Training
+    from fgenv.agents.training.validation import EvaluationResult
 
 
 def train(
@@ -74,8 +75,9 @@ def train(
 
     if algo != "ppo":
         raise ValueError(f"--algo: got {algo!r}, expected ppo")
+    from fgenv.agents.training.config import TrainingConfig
     from fgenv.agents.training.recipes import recipe_of
-    from fgenv.agents.training.training import Training, TrainingConfig
+    from fgenv.agents.training.training import Training
 
     console = Console(stderr=as_json, highlight=False)
     overrides = given(n, size, set or [])
@@ -118,7 +120,7 @@ def run(training: Training, console: Console) -> bool:
     with progress(console) as bar:
         task = bar.add_task("learning", total=training.config.steps, completed=training.steps)
 
-        def tell(steps: int, check: Check | None) -> None:
+        def tell(steps: int, check: EvaluationResult | None) -> None:
             bar.update(task, completed=steps)
             if check is not None:
                 bar.console.print(

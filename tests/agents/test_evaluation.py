@@ -15,8 +15,8 @@ from scipy.stats import binomtest
 
 from fgenv import cli
 from fgenv.agents import GoToPolicy, evaluate
-from fgenv.agents.evaluation.episodes import Episode, run_cases, straight
-from fgenv.agents.evaluation.evaluation import Evaluation, units
+from fgenv.agents.evaluation.case_runner import CaseResult, run_cases, run_unobstructed
+from fgenv.agents.evaluation.evaluation import Evaluation, run_batches
 from fgenv.agents.evaluation.scores import score
 from fgenv.confidence import mean, rate
 from fgenv.envs import Simulator, policy_of
@@ -68,9 +68,9 @@ def robot(
     return RobotResult("r", arrival, hits, length, "m", gap)
 
 
-def episode(case: int, *robots: RobotResult, met: Any = ((0, 0), (0, 0))) -> Episode:
+def episode(case: int, *robots: RobotResult, met: Any = ((0, 0), (0, 0))) -> CaseResult:
     """An episode of 10 s by hand."""
-    return Episode(case, Results(robots, 100, 10.0), *met)
+    return CaseResult(case, Results(robots, 100, 10.0), *met)
 
 
 def test_scores_of_episodes_made_by_hand() -> None:
@@ -116,17 +116,17 @@ def test_world_k_runs_case_k_as_a_simulator_alone_does(crossing: FrozenSet) -> N
 def test_own_links_are_no_other_robot() -> None:
     arms = frozen("cell", n=1, cases=1)  # one arm alone: a random one folds into itself
     (found,) = run_cases(arms, policy_of("random"), [0], clearance=False, max_steps=150)
-    assert found.met_robots == (0,)
+    assert found.robot_collisions == (0,)
     simulator = Simulator(arms[0], autoreset=False)
     from fgenv.agents import run_episode
 
     record = run_episode(simulator, policy_of("random"), steps=150)
     assert (record["hit_robots"] == 0).any(), "it has met itself"
-    assert found.met_bodies == ((record["hits"] >= 0).sum(),)
+    assert found.body_collisions == ((record["hits"] >= 0).sum(),)
 
 
 def test_straight_is_goto_with_nothing_in_the_way(crossing: FrozenSet) -> None:
-    for k, found in enumerate(straight(crossing, range(5))):
+    for k, found in enumerate(run_unobstructed(crossing, range(5))):
         for i, one in enumerate(found.robots):
             spec = crossing[k].robots[i]
             only = crossing[k].model_copy(update={"robots": (spec,)})
@@ -142,12 +142,12 @@ def test_same_results_for_any_number_of_jobs(crossing: FrozenSet) -> None:
     one = evaluate(crossing, ["random", "goto"], seed=3)
     two = evaluate(crossing, ["random", "goto"], seed=3, jobs=2)
     assert repr(one.scores) == repr(two.scores)  # NaN is not equal to itself
-    assert one.episodes == two.episodes
+    assert one.results == two.results
 
 
 def test_parts_are_told_after_an_interruption(crossing: FrozenSet) -> None:
     result = Evaluation(crossing, ("goto", "orca"))
-    work = units(result, 0, 1)
+    work = run_batches(result, 0, 1)
     result.add(*next(work))
     result.add(*next(work))
     assert (result.done, result.scores) == ([], {})

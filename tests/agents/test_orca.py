@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 from fgenv import _core
 from fgenv.agents import OrcaPolicy, run_episode
-from fgenv.agents.evaluation.episodes import run_cases
+from fgenv.agents.evaluation.case_runner import run_cases
 from fgenv.envs import Simulator, View, policy_of
 from fgenv.robots.footprint import enclosing_radius
 from fgenv.scenarios import Scenario, frozen
@@ -158,7 +158,7 @@ def test_jittered_swap_is_solved(n: int) -> None:
     cases = frozen("swap", n=n, jitter=0.2, cases=10)
     found = run_cases(cases, OrcaPolicy(), range(10), clearance=False)
     assert np.mean([episode.success for episode in found]) >= 0.9
-    assert sum(sum(episode.met_robots) for episode in found) <= 2
+    assert sum(sum(episode.robot_collisions) for episode in found) <= 2
 
 
 def test_holonomic_discs_pass_each_other() -> None:

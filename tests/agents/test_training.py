@@ -19,8 +19,9 @@ from fgenv import cli
 from fgenv.agents import PolicyFile, run_episode
 from fgenv.agents.policies.network import NetworkPolicy
 from fgenv.agents.policies.sb3 import Sb3Policy
-from fgenv.agents.training.recipes import RECIPES, Recipe, Stage, recipe_of, staged
-from fgenv.agents.training.training import Training, TrainingConfig
+from fgenv.agents.training.config import Recipe, Stage, TrainingConfig
+from fgenv.agents.training.recipes import RECIPES, recipe_of, three_stages
+from fgenv.agents.training.training import Training
 from fgenv.envs import Simulator, View, policy_of
 from fgenv.scenarios import Scenario
 
@@ -28,12 +29,12 @@ SMALL = {
     "cases": 3,
     "rows": 16,
     "n_steps": 32,
-    "epochs": 2,
-    "batch": 128,
+    "n_epochs": 2,
+    "batch_size": 128,
     "max_steps": 40,
-    "hidden": (8,),
+    "net_arch": (8,),
 }
-FEW = staged(*({"n": n} for n in (4, 6, 8)), jitter=0.3)
+FEW = three_stages(*({"n": n} for n in (4, 6, 8)), jitter=0.3)
 SWAP = replace(recipe_of("swap"), **SMALL, stages=FEW)
 
 
@@ -77,7 +78,7 @@ def test_the_file_runs_without_torch(folder: Path) -> None:
 def test_the_network_acts_as_the_model_does(folder: Path) -> None:
     model, acts = Sb3Policy(folder / "model.zip"), []
     training = Training(TrainingConfig("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
-    training._begin(0, SWAP.stages[-1])
+    training.begin_stage(0)
     for policy in (NetworkPolicy(training.export()), model):
         simulator = Simulator("swap", 4, n=6, jitter=0.3, observation=policy.observation)
         rows = simulator.reset(seed=0)
@@ -90,7 +91,7 @@ def test_the_network_acts_as_the_model_does(folder: Path) -> None:
 
 
 def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_path: Path) -> None:
-    recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12}, held=8)
+    recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12}, sde_sample_freq=8)
     assert recipe.orca
     given = {"recipe": recipe, "scenario": "doorway", "overrides": {"drive": "holonomic"}}
     file = trained(tmp_path / "one", **given)
@@ -98,9 +99,9 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
     training = Training(
         TrainingConfig(steps=2_000, every=1_000, **given), tmp_path / "one", resume=True
     )
-    training._begin(0, recipe.stages[-1])
+    training.begin_stage(0)
     assert training.model.use_sde
-    assert training.model.sde_sample_freq == recipe.held
+    assert training.model.sde_sample_freq == recipe.sde_sample_freq
     acts = []
     for policy in (NetworkPolicy(training.export()), Sb3Policy(tmp_path / "one" / "model.zip")):
         simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=policy.observation)
@@ -128,14 +129,14 @@ def test_same_seed_same_file(folder: Path, tmp_path: Path) -> None:
 
 
 def test_it_goes_on_where_it_was(tmp_path: Path) -> None:
-    recipe = replace(SWAP, stages=(Stage(1.0, given={"n": 2}),))
+    recipe = replace(SWAP, stages=(Stage(1.0, base={"n": 2}),))
     trained(tmp_path, recipe, steps=1_000)
     trained(tmp_path, recipe, steps=3_000, resume=True)
     steps = [row.split(",")[0] for row in (tmp_path / "evaluations.csv").read_text().splitlines()]
     assert steps == ["steps", "1024", "2048", "3072"], "none twice"
-    with pytest.raises(ValueError, match="--resume: seed was 0, expected the same again"):
+    with pytest.raises(ValueError, match="--resume: seed: got another value, expected 0 as before"):
         trained(tmp_path, recipe, seed=5, resume=True)
-    with pytest.raises(ValueError, match="nothing to go on with"):
+    with pytest.raises(ValueError, match="which has no training"):
         trained(tmp_path / "empty", recipe, resume=True)
 
 
@@ -167,7 +168,7 @@ def test_the_learning_rate_falls_to_nothing(tmp_path: Path) -> None:
     falling = replace(SWAP, anneal=True)
     training = Training(TrainingConfig("swap", falling, {"n": 3}, 2000, 0, "", 1000), tmp_path)
     rates = []
-    training.run(lambda steps, check: rates.append(training._rate(0.0)))
+    training.run(lambda steps, check: rates.append(training.learning_rate(0.0)))
     assert rates[0] > 0.9 * SWAP.learning_rate
     assert rates == sorted(rates, reverse=True)
     assert rates[-1] == 0.0
@@ -221,7 +222,7 @@ def test_what_begins_anew_is_not_resumed_from_what_was_there(folder: Path, tmp_p
     expected = TrainingConfig("swap", SWAP, steps=2_000, every=1_000)
     assert Training(expected, there, resume=True).steps > 0
     assert Training(expected, there).steps == 0  # interrupted before its first evaluation
-    with pytest.raises(ValueError, match="nothing to go on with"):
+    with pytest.raises(ValueError, match="which has no training"):
         Training(expected, there, resume=True)
 
 
@@ -230,7 +231,7 @@ def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str
     (tmp_path / "model.zip").write_bytes((folder / "model.zip").read_bytes())
     for junk in (b"junk", b"", b"[1]"):
         (tmp_path / f"model{suffix}").write_bytes(junk)
-        with pytest.raises(ValueError, match=f"model{suffix} is damaged; take it away"):
+        with pytest.raises(ValueError, match=f"model{suffix} is damaged; remove it"):
             Sb3Policy(tmp_path / "model.zip")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fgenv.agents import NetworkPolicy
-from fgenv.agents.evaluation.episodes import run_cases
+from fgenv.agents.evaluation.case_runner import run_cases
 from fgenv.agents.weights import included
 from fgenv.bench.policies.run import chosen
 from fgenv.envs import policy_of

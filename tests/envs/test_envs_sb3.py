@@ -123,7 +123,7 @@ def test_what_does_not_fit_is_named() -> None:
     envs = fleet(2)
     envs.reset()
     before = envs.simulator.state()
-    with pytest.raises(ValueError, match=r"actions: shape \(2, 3, 2\), expected \(6, 2\)"):
+    with pytest.raises(ValueError, match=r"actions: got shape \(2, 3, 2\), expected \(6, 2\)"):
         envs.step(np.zeros((2, 3, 2)))
     with pytest.raises(ValueError, match=r"actions\[1, 2, 1\] is nan"):
         envs.step(np.array([[0.0, 0.0]] * 5 + [[0.0, np.nan]]))
@@ -134,7 +134,7 @@ def test_what_does_not_fit_is_named() -> None:
     plain = next(iter(two.models.values())).model_copy(update={"lidar": None})
     robots = (two.robots[0], two.robots[1].model_copy(update={"model": "other"}))
     unlike = two.replace(models={**two.models, "other": plain}, robots=robots)
-    with pytest.raises(ValueError, match="'robot 1' and 'robot 2' observe or act differently"):
+    with pytest.raises(ValueError, match="'robot 1' and 'robot 2' with different spaces"):
         FleetVecEnv(unlike)
 
 

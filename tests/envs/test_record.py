@@ -337,7 +337,7 @@ def test_wrong_use_is_told() -> None:
     step = simulator.step(actions)
     with pytest.raises(RuntimeError, match=r"expected begin\(\)"):
         recorder.add(actions, step)
-    with pytest.raises(ValueError, match="at the start of an episode"):
+    with pytest.raises(ValueError, match="got a running episode, expected its start"):
         recorder.begin(simulator)
     simulator.reset(seed=0)
     recorder.begin(simulator)

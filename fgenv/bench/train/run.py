@@ -11,8 +11,8 @@ from typing import Any
 from stable_baselines3.common.callbacks import BaseCallback
 
 import fgenv
+from fgenv.agents.training.ppo import ppo
 from fgenv.agents.training.recipes import recipe_of
-from fgenv.agents.training.training import model_of
 from fgenv.agents.training.vec_env import FleetVecEnv
 from fgenv.bench.common.timing import Clock
 from fgenv.envs import Observation
@@ -110,7 +110,7 @@ def model(envs: Any, seed: int) -> Any:
     """PPO as our recipe for `swap` has it; SuperSuit's rows cannot be seeded."""
     if not isinstance(envs, FleetVecEnv):
         envs.seed = lambda seed=None: [seed] * envs.num_envs
-    return model_of(recipe_of("swap"), envs, seed)
+    return ppo(recipe_of("swap"), envs, seed)
 
 
 def timed(one: Any, clock: Clock) -> tuple[float, float]:

@@ -9,19 +9,19 @@ pytest.importorskip("stable_baselines3")
 
 import torch
 
-from fgenv.agents.training.base_policy import HomingVecEnv
-from fgenv.agents.training.masked_rollout_buffer import MovingRollouts
-from fgenv.agents.training.multi_scenario import MixedVecEnv
+from fgenv.agents.training.masked_rollout_buffer import MaskedRolloutBuffer
+from fgenv.agents.training.multi_scenario import MultiScenarioVecEnv
+from fgenv.agents.training.residual_vec_env import ResidualVecEnv
 from fgenv.envs import Observation
 
 QUIET = Observation(lidar=False, neighbors=2, pad=True)
 
 
 @pytest.fixture
-def envs() -> MixedVecEnv:
+def envs() -> MultiScenarioVecEnv:
     """Rows of which robot 0 of each world is all but there."""
-    parts = [HomingVecEnv("swap", 2, n=n, observation=QUIET) for n in (2, 3)]
-    made = MixedVecEnv(parts)
+    parts = [ResidualVecEnv("swap", 2, n=n, observation=QUIET) for n in (2, 3)]
+    made = MultiScenarioVecEnv(parts)
     made.reset()
     for part in parts:
         simulator = part.simulator
@@ -31,9 +31,9 @@ def envs() -> MixedVecEnv:
     return made
 
 
-def filled(envs: MixedVecEnv, steps: int) -> tuple[MovingRollouts, np.ndarray]:
+def filled(envs: MultiScenarioVecEnv, steps: int) -> tuple[MaskedRolloutBuffer, np.ndarray]:
     """A buffer of so many steps of nobody but who is there moving, and who was on the way."""
-    found = MovingRollouts(
+    found = MaskedRolloutBuffer(
         steps, envs.observation_space, envs.action_space, "cpu", 0.9, 0.8, envs.num_envs
     )
     found.envs = envs
@@ -49,7 +49,7 @@ def filled(envs: MixedVecEnv, steps: int) -> tuple[MovingRollouts, np.ndarray]:
     return found, np.array(moved)
 
 
-def test_batches_are_of_who_was_on_the_way(envs: MixedVecEnv) -> None:
+def test_batches_are_of_who_was_on_the_way(envs: MultiScenarioVecEnv) -> None:
     rollouts, moved = filled(envs, 4)
     assert moved[0].all()
     assert (~moved[1:]).sum() == 4 * 3  # robot 0 of four worlds, for three steps
@@ -61,7 +61,7 @@ def test_batches_are_of_who_was_on_the_way(envs: MixedVecEnv) -> None:
         assert set(seen) <= set(expected)
 
 
-def test_who_has_arrived_is_worth_nothing_more(envs: MixedVecEnv) -> None:
+def test_who_has_arrived_is_worth_nothing_more(envs: MultiScenarioVecEnv) -> None:
     rollouts, moved = filled(envs, 4)
     arrived = ~moved[1]
     # All that comes is the reward of the step in which it arrived.
