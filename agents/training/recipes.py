@@ -14,22 +14,11 @@ from fgenv.envs import Observation, Reward
 def three_stages(*variants: Overrides, **base: Any) -> tuple[Stage, ...]:
     """Return the common curriculum: bodies pass through each other at a low cost, then at a high
     cost, and then stop at contacts."""
+    last = Stage(0.2, collision_weight=-1.0, base=overrides(**base), variants=variants)
     return (
-        Stage(
-            0.3,
-            collision_weight=-0.3,
-            on_collision="pass",
-            base=overrides(**base),
-            variants=variants,
-        ),
-        Stage(
-            0.5,
-            collision_weight=-1.0,
-            on_collision="pass",
-            base=overrides(**base),
-            variants=variants,
-        ),
-        Stage(0.2, collision_weight=-1.0, base=overrides(**base), variants=variants),
+        replace(last, share=0.3, collision_weight=-0.3, on_collision="pass"),
+        replace(last, share=0.5, on_collision="pass"),
+        last,
     )
 
 

@@ -105,7 +105,7 @@ class FleetVecEnv(VecEnv):
         }
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed world w with seed + w at the next reset; return seeds of rows. None: a random seed."""
+        """Seed world w with seed + w at the next reset (None: randomly); return seeds of rows."""
         if seed is None:
             seed = int(np.random.default_rng().integers(2**32))
         self._seed = seed
