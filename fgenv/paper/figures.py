@@ -1,6 +1,6 @@
 """The pictures of the published experiment: the paper's figures 3, 4, 5, 7 and 8."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,13 +8,14 @@ import numpy as np
 from PIL import Image
 
 from fgenv.arrays import Floats
-from fgenv.collision import FeatureGraph, Shape
+from fgenv.collision import FeatureGraph
 from fgenv.collision.world import BodyRecord
 from fgenv.paper.drive import FirstContact
 from fgenv.paper.experiment import Experiment
 from fgenv.paper.scene import model_list, robot_shape
 from fgenv.paper.timed_path import TimedPath
 from fgenv.planners import Problem
+from fgenv.robots.primitives import box
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.layout import beside, captioned
 from fgenv.view.figures.palette import (
@@ -30,13 +31,11 @@ from fgenv.view.figures.palette import (
 )
 from fgenv.view.figures.picture import Picture
 from fgenv.view.figures.quantize import quantize
-from fgenv.view.figures.scene import close_up, outlined_picture, portrait, transform
+from fgenv.view.figures.scene import close_up, outline, outlined_picture, portrait, transform
 from fgenv.view.figures.surfaces import Solid
 
 LIFT = 0.01  # meters that lines on the floor are above it
 PANEL = (640, 480)
-CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-BOX_EDGES = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
 
 
 def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
@@ -83,13 +82,13 @@ def motion_box(experiment: Experiment) -> Image.Image:
     problem, drive = experiment.problem, experiment.drives[0]
     low, high = drive.motion_boxes[0]  # the path has one leg
     ghosts = _ghosts(problem, drive.path, 8)
-    corners = low + CORNERS * (high - low)
-    hull = Shape(corners, _BOX_FACES)
-    haze = Solid(hull, np.eye(4), PURPLE, opacity=0.13)
+    hull, center = box(high - low), np.eye(4)
+    center[:3, 3] = (low + high) / 2
+    haze = Solid(hull, center, PURPLE, opacity=0.13)
     bodies = _bodies(experiment, problem.starts[0])
     colors = {b.name: SKY if drive.during[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
     picture = outlined_picture(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
-    picture.segments(corners[BOX_EDGES], PURPLE, width=2, hidden=0.3)
+    picture.segments(transform(outline(hull), center), PURPLE, width=2, hidden=0.3)
     picture.polyline(_on_floor(drive.path), GREEN, width=2.5, hidden=0.4)
     for body in bodies:
         picture.label(_above(body), f"{body.name}: mask {drive.during[body.name]}", size=17)
@@ -104,48 +103,55 @@ def start_and_goal(experiment: Experiment) -> Image.Image:
     """Figure 7: (a) before the motion, (b) after it, with the driven path."""
     problem, drives = experiment.problem, experiment.drives
     straight = np.stack([problem.starts[0], problem.goals[0]])
-    ends = straight[0], _end(experiment)
-    panels = []
-    for configuration, name in zip(ends, ("(a) start", "(b) goal"), strict=True):
-        bodies = _bodies(experiment, configuration)
-        passed = drives[-1] if name == "(b) goal" and len(drives) > 1 else None
-        ghosts = [] if passed is None else _ghosts(problem, passed.driven, 6)
-        picture = outlined_picture(bodies, _overview(*PANEL), {"robot": ORANGE}, extra=ghosts)
-        if name == "(a) start":
-            picture.polyline(_on_floor(straight), BLUE, width=2, hidden=0.4)
-        else:
-            for drive, color in zip(drives, (BLUE, GREEN), strict=False):
-                picture.polyline(_on_floor(drive.driven), color, width=2, hidden=0.4)
-        for body in bodies:
-            picture.label(_above(body), body.name, size=15)
-        panels.append(picture.image())
+    passed = drives[-1].driven if len(drives) > 1 else None
+    panels = [
+        _panel(experiment, straight[0], [straight]),
+        _panel(experiment, _end(experiment), [drive.driven for drive in drives], passed),
+    ]
+    end = "(b) goal" if drives[0].hit is None else "(b) where the motion ended"
     if len(drives) > 1:
         end = "(b) goal, reached by the path planned anew (green)"
-    else:
-        end = "(b) goal" if drives[0].hit is None else "(b) where the motion ended"
     text = f"(a) start, with the shortest path.  {end}"
-    return captioned(beside(panels), "Figure 7. The scene", text)
+    return captioned(beside([panel.image() for panel in panels]), "Figure 7. The scene", text)
 
 
 def collision(experiment: Experiment) -> Image.Image:
-    """Figure 8: the moment of the collision, and its feature edge and face from near."""
+    """Figure 8: the moment of the collision, with a close-up of its feature edge and face."""
     hit = experiment.drives[0].hit
     if hit is None:
         picture = outlined_picture(_bodies(experiment, _end(experiment)), _overview(*PANEL), {})
         return captioned(picture.image(), "Figure 8. Collision", "There was no collision")
-    bodies, colors = _bodies(experiment, hit.after), {hit.robot: ORANGE, hit.body: VERMILION}
-    wide = outlined_picture(bodies, _overview(*PANEL), colors)
-    wide.polyline(_on_floor(experiment.drives[0].driven), BLUE, width=2, hidden=0.4)
-    for body in bodies:
-        wide.label(_above(body), body.name, size=15)
+    colors = {hit.robot: ORANGE, hit.body: VERMILION}
+    wide = _panel(experiment, hit.after, [experiment.drives[0].driven], colors=colors)
     wide.points([hit.contact.point], INK, radius=4, hidden=1.0)
-    near = _near(bodies, hit, colors)
+    near = _near(_bodies(experiment, hit.after), hit, colors)
     x, y, z = hit.contact.point
     text = (
         f"{hit.robot} and {hit.body} meet {hit.time:.2f} s after the start at "
         f"({x:.3f}, {y:.3f}, {z:.3f}) m: a feature edge (blue) crosses a face (black)"
     )
     return captioned(beside([wide.image(), near.image()]), "Figure 8. Collision", text)
+
+
+def _panel(
+    experiment: Experiment,
+    at: Floats,
+    paths: Sequence[Floats],
+    passed: Floats | None = None,
+    colors: dict[str, Color] | None = None,
+) -> Picture:
+    """The scene with the robot at a configuration (3,), paths on the floor, and names.
+
+    The robot is shown at six places of the path `passed` too.
+    """
+    bodies = _bodies(experiment, at)
+    ghosts = [] if passed is None else _ghosts(experiment.problem, passed, 6)
+    picture = outlined_picture(bodies, _overview(*PANEL), colors or {"robot": ORANGE}, extra=ghosts)
+    for path, color in zip(paths, (BLUE, GREEN), strict=False):
+        picture.polyline(_on_floor(path), color, width=2, hidden=0.4)
+    for body in bodies:
+        picture.label(_above(body), body.name, size=15)
+    return picture
 
 
 def _near(bodies: list[BodyRecord], hit: FirstContact, colors: dict[str, Color]) -> Picture:
@@ -213,23 +219,6 @@ def _above(body: BodyRecord) -> Floats:
     middle = (low + high) / 2
     return np.array([middle[0], middle[1], high[2] + 0.3])
 
-
-_BOX_FACES = np.array(
-    [
-        (0, 1, 3),
-        (0, 3, 2),
-        (4, 6, 7),
-        (4, 7, 5),
-        (0, 4, 5),
-        (0, 5, 1),
-        (2, 3, 7),
-        (2, 7, 6),
-        (0, 2, 6),
-        (0, 6, 4),
-        (1, 5, 7),
-        (1, 7, 3),
-    ]
-)
 
 FIGURES: dict[str, Callable[[Experiment], Image.Image]] = {
     "figure_3_feature_points.png": feature_points,
