@@ -91,10 +91,16 @@ class Lidar(Spec):
     rays: int = Field(default=12, ge=1, le=100_000, strict=True, description="Rays in a row")
     range: float = meters("How far a ray reaches", 5.0)
     field_of_view: float = quantity(
-        "rad", "Of a row, about x ahead; 2 pi goes round", 2 * math.pi, gt=0, le=6.283185307179587
+        "rad",
+        "Horizontal field of view, about x; 2 pi is a full circle",
+        2 * math.pi,
+        gt=0,
+        le=6.283185307179587,
     )
     rows: int = Field(default=1, ge=1, le=1000, strict=True, description="Rows: more than 1 is 3D")
-    rise: float = quantity("rad", "Of all rows, from lowest to highest", 0.0, ge=0, le=3.15)
+    rise: float = quantity(
+        "rad", "Vertical field of view, from the lowest to the highest row", 0.0, ge=0, le=3.15
+    )
     position: tuple[float, float, float] = Field(
         default=(0.0, 0.0, 0.1), description="On the root (m)"
     )

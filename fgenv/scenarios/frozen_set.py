@@ -1,9 +1,10 @@
-"""Frozen evaluation sets: many cases of one scenario, the same for everybody, known by a hash.
+"""Frozen evaluation sets: cases of one scenario, identical everywhere, identified by a hash.
 
-A set keeps what differs from case to case: starts, goals and where bodies stand, as whole numbers
-of a micrometer or microradian (`int32`), and one scenario as a template for all the rest. Its id is
-the SHA-256 of these numbers, little-endian, and of the template's JSON: the same on any machine,
-whatever packed the file. A set stays readable when a generator changes.
+A set stores the values that differ between cases, which are starts, goals and poses of bodies, as
+integers in micrometers or microradians (`int32`), and one scenario as the template of all others.
+Its id is the SHA-256 of these numbers, little-endian, and of the template's JSON. The id does not
+depend on the machine or on the compression of the file. A set stays readable when a generator
+changes.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from .scenario import Scenario
 
 FORMAT = "fgenv frozen set 1"
 MOST = 100_000  # cases
-CASES, SEED = 500, 1_000_000  # a seed far from those that people train with
+CASES, SEED = 500, 1_000_000  # far from the usual seeds of training
 SCALE = 1e6  # numbers in a meter or radian
 
 
@@ -36,8 +37,8 @@ class FrozenSet:
 
     Attributes:
         template: the first case.
-        seeds: (cases,) of the generator; case i is what `Scenario.load` gives with seeds[i], as
-            long as the generator is what it was.
+        seeds: (cases,) of the generator. `Scenario.load` with seeds[i] gives case i, until the
+            generator changes.
         starts, goals: (cases, numbers), the robots' configurations one after another, 1e-6 m or rad
             (a quaternion's numbers: 1e-6).
         bodies: (cases, bodies, 6), position and rpy, 1e-6 m or rad.
@@ -72,7 +73,7 @@ class FrozenSet:
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What is hashed and stored, little-endian."""
+        """The hashed and stored arrays, little-endian."""
         return {
             "seeds": self.seeds.astype("<i8"),
             "starts": self.starts.astype("<i4"),
@@ -82,7 +83,7 @@ class FrozenSet:
 
     @cached_property
     def id(self) -> str:
-        """The set's name for good: 64 hexadecimal digits."""
+        """SHA-256 hash of the set: 64 hexadecimal digits."""
         found = hashlib.sha256(f"{FORMAT}\n{text_of(self.template)}\n".encode())
         for name, array in self.arrays.items():
             found.update(f"{name} {array.shape}\n".encode() + array.tobytes())
@@ -112,12 +113,12 @@ def frozen(
 
     Args:
         source: a file that `FrozenSet.save` wrote (it ends in .npz), or a built-in scenario's name.
-        cases, seed, overrides: to make one: case i is the scenario with seed + i.
-        id: what the set's id, or its beginning, has to be.
-        progress: called with the number of cases made so far.
+        cases, seed, overrides: of a new set: case i is the scenario with seed + i.
+        id: the expected id of the set, or its first digits.
+        progress: called with the number of finished cases.
 
     Raises:
-        ScenarioError: damaged file, other id, or what `Scenario.load` raises.
+        ScenarioError: damaged file, another id, or an error of `Scenario.load`.
         FileNotFoundError: no such file.
     """
     is_file = Path(source).suffix == ".npz"
@@ -138,7 +139,7 @@ def made(
     overrides: dict[str, Any],
     progress: Callable[[int], object] | None = None,
 ) -> FrozenSet:
-    """Generate the cases; each is checked by its generator."""
+    """Generate the cases. Each generator checks its scenario."""
     if not 1 <= cases <= MOST:
         raise ValueError(f"cases: got {cases}, expected 1 to {MOST}")
     every = []
@@ -158,7 +159,7 @@ def made(
 
 
 def numbers(scenario: Scenario) -> tuple[list[int], list[int], list[int]]:
-    """Starts, goals and places of bodies in millionths."""
+    """Starts, goals and poses of bodies in millionths."""
     starts = [x for robot in scenario.robots for x in robot.start]
     goals = [x for robot in scenario.robots for x in robot.goal]
     bodies = [x for body in scenario.bodies for x in (*body.position, *body.rpy)]
@@ -167,12 +168,12 @@ def numbers(scenario: Scenario) -> tuple[list[int], list[int], list[int]]:
 
 
 def plain(values: Sequence[int] | NDArray[Any]) -> tuple[float, ...]:
-    """Millionths as numbers: the nearest doubles, as a file with six decimals gives them."""
+    """Millionths as the nearest doubles, equal to those of a file with six decimals."""
     return tuple(float(x) for x in np.asarray(values, dtype=np.float64) / SCALE)
 
 
 def text_of(template: Scenario) -> str:
-    """The template as JSON in one order; defaults are left out, so that a new one changes no id."""
+    """The template as JSON with sorted keys. Defaults are omitted: a new field keeps all ids."""
     data = template.model_dump(mode="json", exclude_defaults=True)
     return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
 

@@ -24,23 +24,23 @@ class Scenario(ScenarioSpec):
 
     @classmethod
     def load(cls, source: str | Path, **overrides: Any) -> Scenario:
-        """A scenario from a YAML file, or a built-in one by its name.
+        """Load a scenario from a YAML file, or a built-in scenario by name.
 
         Args:
-            source: path (it ends in .yaml or .yml, or has a folder) or name.
-            overrides: for a built-in one, what it takes (n, seed, size and its own); for all,
-                fields of the schema that are plain: seed, time_step, horizon, on_collision...
+            source: a path (with the suffix .yaml or .yml, or with a folder), or a name.
+            overrides: parameters of the built-in scenario (n, seed, size, ...), and plain fields of
+                the schema: seed, time_step, horizon, on_collision, at_goal, description.
 
         Raises:
-            ScenarioError: all that is wrong, by line; or a name or override that is not known.
+            ScenarioError: all problems of the file by line; or an unknown name or override.
             FileNotFoundError: no such file.
         """
         return load(cls, source, overrides)
 
     def save(self, path: str | Path) -> None:
-        """Write YAML; what has its default is left out.
+        """Write YAML, without the fields that have their defaults.
 
-        Mesh and URDF files stay where they are; their paths are written from the new place.
+        Mesh and URDF files are not copied; their paths are written relative to the new file.
         """
         write(self, Path(path))
 
@@ -53,5 +53,5 @@ class Scenario(ScenarioSpec):
         return self.build().world()
 
     def problems(self) -> tuple[Problem, ...]:
-        """All that is wrong with files, limits and places; empty for a sound scenario."""
+        """All faults of files, limits and placements; empty for a valid scenario."""
         return tuple(problems(self))

@@ -32,7 +32,7 @@ ORIGIN = (0.0, 0.0, 0.0)
 class Placement(Spec):
     """A pose."""
 
-    position: Vector = Field(default=ORIGIN, description="Of the origin in the world (m)")
+    position: Vector = Field(default=ORIGIN, description="Origin in the world frame (m)")
     rpy: Vector = Field(default=ORIGIN, description="Roll, pitch, yaw about fixed x, y, z (rad)")
 
     @property
@@ -44,13 +44,13 @@ class Placement(Spec):
 
 
 class Workspace(Spec):
-    """Bounds of where the origins of planar and free bases may be."""
+    """Bounds of the origins of planar and free bases."""
 
     low: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)] = Field(
-        description="Least x, y or x, y, z (m)"
+        description="Lower bounds of x, y or x, y, z (m)"
     )
     high: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)] = Field(
-        description="Greatest x, y or x, y, z (m)"
+        description="Upper bounds of x, y or x, y, z (m)"
     )
 
     @model_validator(mode="after")
@@ -70,13 +70,18 @@ class Model(Spec):
         default=None, description="URDF file, relative to the scenario file, or package://NAME/PATH"
     )
     srdf: Name | None = Field(
-        default=None, description="SRDF file with pairs of links that may touch; path as urdf's"
+        default=None,
+        description="SRDF file with allowed collisions of links; path as for urdf",
     )
     base: Literal["planar", "free", "fixed"] | None = Field(
-        default=None, description="How it is placed; if left out, fixed for a URDF, else planar"
+        default=None, description="Kind of base; default: fixed for a URDF, else planar"
     )
-    drive: AnyDrive | None = Field(default=None, description="What an action means, and limits")
-    allowed: tuple[tuple[Name, Name], ...] = Field(default=(), description="Links that may touch")
+    drive: AnyDrive | None = Field(
+        default=None, description="Drive: the meaning of actions, and limits"
+    )
+    allowed: tuple[tuple[Name, Name], ...] = Field(
+        default=(), description="Pairs of links excluded from self-collision checks"
+    )
     lidar: Lidar | None = Field(default=None, description="Range sensor")
 
     @model_validator(mode="after")
@@ -89,14 +94,18 @@ class Model(Spec):
 
 
 class Tolerance(Spec):
-    """How near to its goal a robot has arrived."""
+    """Tolerances within which a robot has reached its goal."""
 
-    position: float = quantity("m", "Of the base, and of prismatic joints", 0.1, gt=0)
-    angle: float = quantity("rad", "Of the base, and of other joints", 0.2, gt=0)
+    position: float = quantity(
+        "m", "Tolerance of the base position and of prismatic joints", 0.1, gt=0
+    )
+    angle: float = quantity(
+        "rad", "Tolerance of the base orientation and of other joints", 0.2, gt=0
+    )
 
 
 class RobotSpec(Spec):
-    """A robot, where it starts and where it has to go."""
+    """A robot with its start and its goal."""
 
     name: Label = Field(description="Unique among robots and bodies")
     model: Name = Field(description="Name of a model")
@@ -108,9 +117,9 @@ class RobotSpec(Spec):
 
 
 class Body(Placement):
-    """A body that stands."""
+    """A static body."""
 
-    name: Label | None = Field(default=None, description="Unique; 'body 1' and so on if left out")
+    name: Label | None = Field(default=None, description="Unique; default: 'body 1' and so on")
     shape: Name = Field(description="Name of a shape")
     groups: tuple[Name, ...] = Field(default=(), description="For allowed")
 
@@ -120,60 +129,62 @@ class ScenarioSpec(Spec):
 
     model_config = ConfigDict(title="Scenario")
 
-    version: Literal[1] = Field(description="Of this schema")
+    version: Literal[1] = Field(description="Version of this schema")
     name: Name
     description: str = ""
-    seed: int = Field(default=0, ge=0, lt=2**63, strict=True, description="Of all that is random")
-    time_step: float = quantity("s", "Of a step", 0.1, gt=0, le=1e3)
-    horizon: float = quantity("s", "An episode ends then", 60.0, gt=0, le=1e6)
+    seed: int = Field(
+        default=0, ge=0, lt=2**63, strict=True, description="Seed of all random choices"
+    )
+    time_step: float = quantity("s", "Duration of a step", 0.1, gt=0, le=1e3)
+    horizon: float = quantity("s", "Maximum duration of an episode", 60.0, gt=0, le=1e6)
     on_collision: Literal["stop", "terminate", "pass"] = Field(
         default="stop",
-        description="A robot that meets something stops, ends the episode, or is counted",
+        description="On collision: the robot stops, the episode ends, or it is only counted",
     )
     at_goal: Literal["park", "vanish"] = Field(
-        default="park", description="A robot at its goal stays as an obstacle, or is gone"
+        default="park", description="A robot at its goal stays as an obstacle, or is removed"
     )
     workspace: Workspace | None = None
     shapes: dict[Name, AnyForm] = Field(
-        default={}, description="By name, shared by all that bear it"
+        default={}, description="Shapes by name, shared by robots and bodies"
     )
-    models: dict[Name, Model] = Field(default={}, description="By name, shared by robots")
+    models: dict[Name, Model] = Field(default={}, description="Models by name, shared by robots")
     robots: tuple[RobotSpec, ...] = Field(default=(), max_length=10_000)
     bodies: tuple[Body, ...] = Field(default=(), max_length=1_000_000)
     allowed: tuple[tuple[Name, Name], ...] = Field(
         default=(),
-        description="Pairs whose contact is no collision: names of groups, robots or bodies;"
-        " 'robots' are all robots, 'static' all bodies",
+        description="Pairs excluded from collision checks: names of groups, robots or bodies;"
+        " 'robots' is the group of all robots, 'static' of all bodies",
     )
 
     _folder: Path | None = PrivateAttr(None)
 
     @property
     def folder(self) -> Path | None:
-        """What paths of mesh files are relative to; None: where the process is."""
+        """Folder of relative mesh paths; None: the current directory."""
         return self._folder
 
     def at(self, folder: Path | None) -> Self:
-        """The same scenario, its paths relative to another folder."""
+        """The same scenario with paths relative to another folder."""
         other = self.model_copy()
         other._folder = folder
         return other
 
     def replace(self, **changes: Any) -> Self:
-        """The same scenario but for some fields, checked against the schema."""
+        """A copy with other values of some fields, checked against the schema."""
         plain = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self)(**{**plain, **changes}).at(self.folder)
 
     @property
     def dimension(self) -> int:
-        """3 where some base is free or fixed, 2 where all are planar."""
+        """3 if a base is free or fixed, 2 if all are planar."""
         bases = {self.models[robot.model].base for robot in self.robots}
         urdf = any(self.models[r.model].urdf for r in self.robots)
         return 3 if urdf or bases & {"free", "fixed"} else 2
 
 
 def yaw_quaternion(yaw: float) -> tuple[float, float, float, float]:
-    """Quaternion x, y, z, w of a turn about z (rad)."""
+    """Quaternion x, y, z, w of a rotation about z by `yaw` (rad)."""
     from fgenv import _core
 
     sine, cosine = _core.sin_cos(0.5 * yaw)

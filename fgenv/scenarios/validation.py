@@ -144,7 +144,7 @@ def build_valid(
 
 
 def _with_distinct_names(scenario: ScenarioSpec) -> ScenarioSpec:
-    """The scenario with another name for each robot or body whose name is taken."""
+    """The scenario with a new name for each robot or body with a repeated name."""
     seen: Counter[str] = Counter()
     changes = {}
     for key, prefix in (("robots", "robot"), ("bodies", "body")):

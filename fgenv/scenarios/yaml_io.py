@@ -1,4 +1,4 @@
-"""YAML in and out: PyYAML reads, lines are kept, and what is written is short and stable."""
+"""Reads and writes YAML: keeps line numbers, and writes a short, stable form."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
 
 
 class Loader(yaml.SafeLoader):
-    """YAML's plain values; 1e-3 is a number, as in YAML 1.2."""
+    """Loads plain values; 1e-3 is a number, as in YAML 1.2."""
 
 
 class FastLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """The same for large files of others: by libyaml, where PyYAML has it."""
+    """The same for large files: uses libyaml if PyYAML has it."""
 
 
 for _loader in (Loader, FastLoader):
@@ -39,14 +39,14 @@ for _loader in (Loader, FastLoader):
 
 @dataclass(frozen=True)
 class Document:
-    """A file: its values, and where they stand."""
+    """The values of a file, with their lines."""
 
     data: Any
     root: yaml.Node | None = None
-    problems: Sequence[Problem] = field(default=())  # keys that stand twice
+    problems: Sequence[Problem] = field(default=())  # repeated keys
 
     def line(self, location: Location) -> int | None:
-        """The line (from 1) of what stands at `location`, or of the nearest around it."""
+        """The line (from 1) of a location, or of its nearest ancestor in the file."""
         node, line = self.root, None
         for step in location:
             if isinstance(node, yaml.MappingNode):
@@ -55,7 +55,7 @@ class Document:
                 found = (node.value[step],) * 2 if step < len(node.value) else None
             else:
                 break
-            if found is not None:  # else a tag of the schema, or a key that is missing
+            if found is not None:  # otherwise a schema tag or a missing key
                 key, node = found
                 line = key.start_mark.line + 1
         return 1 if line is None and self.root is not None else line
@@ -69,7 +69,7 @@ def read(path: Path, loader: type[Any] = Loader) -> Document:
 
     Raises:
         ScenarioError: not text, or not YAML; with the line.
-        OSError: as opening it does.
+        OSError: the file cannot be opened.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -106,7 +106,7 @@ def parse(text: str, path: Path, loader: type[Any] = Loader) -> Document:
 
 
 def repeated(root: yaml.Node | None) -> list[Problem]:
-    """Keys that stand twice in one mapping, of which YAML would take the last in silence."""
+    """Repeated keys of a mapping, of which YAML would silently keep the last."""
     found, stack, seen = [], [root], set()
     while stack:
         node = stack.pop()
@@ -134,7 +134,7 @@ def write(scenario: ScenarioSpec, path: Path) -> None:
 
 
 def moved(scenario: AnyScenario, folder: Path) -> AnyScenario:
-    """The same scenario, its mesh and URDF files by their paths from another folder."""
+    """The same scenario with the paths of its files relative to another folder."""
 
     def path(file: str) -> str:
         if file.startswith("package://") or Path(file).is_absolute():
@@ -157,17 +157,17 @@ def moved(scenario: AnyScenario, folder: Path) -> AnyScenario:
 
 
 def dump(scenario: ScenarioSpec) -> str:
-    """The scenario as YAML, its defaults left out; one line for what is short."""
+    """The scenario as YAML without defaults; short values in one line."""
     data = scenario.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     return str(yaml.dump(Block(data), Dumper=Dumper, sort_keys=False, width=WIDTH))
 
 
 class Block(dict[str, Any]):
-    """A mapping of the outermost level: its values start lines of their own."""
+    """A top-level mapping: each value starts on its own line."""
 
 
 class Dumper(yaml.SafeDumper):
-    """Collections of plain values in one line, all others in lines of their own."""
+    """Writes collections of plain values in one line, others in several."""
 
     def ignore_aliases(self, data: Any) -> bool:
         """Anchors are hard to read."""
@@ -191,7 +191,7 @@ def _block(dumper: Dumper, data: Block) -> yaml.Node:
 
 
 def flowing(node: yaml.Node) -> None:
-    """This node and all in it in one line."""
+    """Write this node and its children in one line."""
     if isinstance(node, yaml.CollectionNode):
         node.flow_style = True
         for child in node.value:

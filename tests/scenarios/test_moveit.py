@@ -1,4 +1,4 @@
-"""MoveIt scenes and problems, and the problems of MotionBenchMaker that come along."""
+"""MoveIt scenes and problems, and the included problems of MotionBenchMaker."""
 
 from __future__ import annotations
 

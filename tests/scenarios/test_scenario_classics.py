@@ -15,7 +15,7 @@ from fgenv.scenarios.rng import Dice
 from fgenv.scenarios.shapes.bodies import AnyForm
 from fgenv.scenarios.yaml_io import dump
 
-TRIANGLES = {  # of what stands, and of the mover
+TRIANGLES = {  # triangles of the obstacles, and of the robot
     "cubicles": (324, 20),
     "twist": (120, 100),
     "home": (384, 60),

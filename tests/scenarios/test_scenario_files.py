@@ -1,4 +1,4 @@
-"""Scenario files: what is wrong is told by line, with the remedy, all at once."""
+"""Scenario files: all problems are reported at once, with lines and remedies."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_all_are_told_at_once(told: Callable[[str], list[str]]) -> None:
     text = text.replace("goal: [2, 0, 0]", "goal: [2, 0]").replace("[2, 1, 0]", "[0.1, 1, 0]")
     text += "- {name: bad, shape: none}\n- {name: worse, shape: wall, position: [a, 0, 0]}\n"
     lines = [problem.split(":")[0] for problem in told(text)]
-    # The name that is missing is told where it would stand: at the top.
+    # A missing name is reported at the top of the file.
     assert lines == [f"line {n}" for n in (1, 2, 5, 10, 11, 14, 15)]
 
 

@@ -45,7 +45,7 @@ NEAR = 0.01  # m and rad: how near to its goal a robot has arrived
 
 @dataclass(frozen=True)
 class PlanningScene:
-    """What stands in a scene.
+    """The static bodies of a scene.
 
     Attributes:
         shapes: by name; equal ones are one.
@@ -64,7 +64,7 @@ def load_scene(path: str | Path) -> PlanningScene:
     the kinds of shapes that they become. An object's pose goes before those of its parts.
 
     Raises:
-        ScenarioError: what is wrong, by line: not YAML, a key that is missing, a size or pose that
+        ScenarioError: the problems by line: not YAML, a missing key, a size or pose that
             makes no sense, planes, octomaps, attached objects, poses in another frame.
         FileNotFoundError: no such file.
     """
@@ -84,7 +84,7 @@ def load_problem(
     """A scenario of one arm from a scene and a motion plan request.
 
     The start is the request's start state; the goal the first of its goal constraints, joints that
-    it does not name stay where they start. Both may be in collision: `Scenario.problems` tells.
+    it does not name keep their start values. `Scenario.problems` reports collisions of either.
 
     Args:
         scene: a scene, or its file.
@@ -96,7 +96,7 @@ def load_problem(
         tolerance: meters or radians, of each joint, that count as arrived.
 
     Raises:
-        ScenarioError: what is wrong, by line; goals that are no joint values.
+        ScenarioError: the problems by line; goals that are not joint values.
         ValueError, OSError, ImportError: of the robot's files.
     """
     stands = scene if isinstance(scene, PlanningScene) else load_scene(scene)

@@ -11,11 +11,11 @@ from fgenv.scenarios.schema import Placement
 
 from .yaml_node import Node
 
-DECIMALS = 12  # of angles: what is left is the same on every machine
+DECIMALS = 12  # of angles, so that all machines give the same bits
 
 
 def pose_of(node: Node | None) -> Floats:
-    """A geometry_msgs/Floats, (4, 4); what is left out is 0."""
+    """A geometry_msgs/Floats, (4, 4); missing numbers are 0."""
     pose = np.eye(4)
     if node is None:
         return pose

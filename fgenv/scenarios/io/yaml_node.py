@@ -1,4 +1,4 @@
-"""A value in somebody else's YAML file, and where it stands: errors name file, line and key."""
+"""A value in a YAML file of another program, with its place; errors name file, line and key."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST, LONGEST = 1e6, 80  # of numbers, and of names
 
 @dataclass(frozen=True)
 class Node:
-    """A value, and how it is reached from the top of its file."""
+    """A value, and its location in the file."""
 
     path: Path
     document: Document
@@ -46,7 +46,7 @@ class Node:
         raise ScenarioError(self.path, [Problem(text, remedy, path_text(self.place), line)])
 
     def find(self, *keys: str) -> Node | None:
-        """What stands under keys, one in another; None where it is left out or null."""
+        """The value under nested keys; None if it is missing or null."""
         node = self
         for key in keys:
             if not isinstance(node.value, dict):
@@ -57,7 +57,7 @@ class Node:
         return node
 
     def get(self, *keys: str) -> Node:
-        """What stands under keys, one in another; it has to be there."""
+        """The value under nested keys, which must exist."""
         node = self
         for key in keys:
             found = node.find(key)
@@ -67,7 +67,7 @@ class Node:
         return node
 
     def items(self, *keys: str) -> Iterator[Node]:
-        """What is in the list under keys; nothing where it is left out."""
+        """The items of the list under nested keys; none if it is missing."""
         node = self.find(*keys)
         if node is None:
             return
@@ -77,7 +77,7 @@ class Node:
             yield Node(node.path, node.document, value, (*node.place, i))
 
     def number(self) -> float:
-        """A number; NaN is none."""
+        """A number; NaN is an error."""
         value = self.value
         real = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not real or not abs(value) <= MOST:
@@ -85,7 +85,7 @@ class Node:
         return float(value)
 
     def numbers(self, keys: Sequence[str]) -> Numbers:
-        """As many numbers as there are keys: a list of them, or a table with the keys."""
+        """One number per key: from a list, or from a table with these keys."""
         if isinstance(self.value, dict):
             return tuple(self.get(key).number() for key in keys)
         found = tuple(item.number() for item in self.items())

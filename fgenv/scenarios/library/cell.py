@@ -23,7 +23,7 @@ PANDA = "package://fgenv/scenarios/library/mbm/panda"
 
 @dataclass(frozen=True)
 class Kind:
-    """Of arms: its model, how the joints after the first are bent (rad), meters between two."""
+    """A kind of arm: its model, the angles of the joints after the first (rad), spacing (m)."""
 
     model: dict[str, Any]
     bent: tuple[tuple[float, float], ...]

@@ -30,7 +30,7 @@ def corridor(
         n: robots.
         seed: of starts and goals.
         size: length of the corridor, meters; by the number of bays if left out.
-        bays: on alternate sides; half as many as robots, 2 to 8, if left out.
+        bays: number of bays, on alternate sides; default: half the number of robots, 2 to 8.
     """
     count = bays if bays is not None else min(8, max(2, math.ceil(n / 2)))
     long = size or micro(2.5 * max(2, count))
@@ -65,7 +65,7 @@ def corridor(
 
 
 def _walls(bays: int, long: float, depth: float) -> tuple[dict[str, Any], list[Any]]:
-    """What is solid beside the corridor: between bays all of it, behind a bay what is left."""
+    """The solid parts beside the corridor: all of it between bays, the rest behind a bay."""
     full, tall = (depth - WIDTH) / 2, 0.4
     shapes, bodies = {}, []
     for side, name in ((1, "left"), (-1, "right")):

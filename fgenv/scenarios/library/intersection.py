@@ -36,7 +36,7 @@ def intersection(
 
     Args:
         n: cars; a queue for each road, on the right-hand side.
-        seed: of who goes where.
+        seed: of the routes.
         size: length of both crossing roads, meters; grows with n if left out.
         jitter: meters that a car stands off its lane's middle, 0.3 at most.
         drive: car; or, of the same size, what turns on the spot (differential) or goes any way

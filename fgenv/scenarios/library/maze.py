@@ -31,7 +31,7 @@ def opened(columns: int, rows: int, dice: Dice) -> list[Wall]:
 
 
 def beside_door(low: Corner, high: Corner, along: int, door: float, dice: Dice) -> Boxes:
-    """What is left of a wall along axis 0 or 1 with a door, to its top, at either end."""
+    """The rest of a wall along axis 0 or 1 beside a door at either end."""
     first, last = list(low), list(high)
     if dice.below(2):
         first[along] += door

@@ -1,4 +1,4 @@
-"""Putting robots where they meet nothing, by the exact core."""
+"""Collision-free placement of robots, by the exact core."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def fence(width: float, depth: float, height: float = 0.4, thick: float = 0.1) -
 
 
 def bare(name: str, **fields: Any) -> Scenario:
-    """A scenario whose robots are not yet placed."""
+    """A scenario with robots that are not placed yet."""
     return Scenario.model_validate({"version": 1, "name": name, **fields})
 
 

@@ -1,4 +1,4 @@
-"""Two linked rings whose ends do not meet."""
+"""Two linked rings with a gap each."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ RIM = math.pi / 3  # elevation of a bug trap's rim, rad
 def sides(rings: int, n: int) -> Faces:
     """Faces between rings of n points each, counter-clockwise seen from ahead, one after another.
 
-    What is inside the rings is inside the faces.
+    The interior of the rings is the interior of the faces.
     """
     here, there = np.arange(n), np.roll(np.arange(n), -1)
     one = [np.column_stack([here, there, there + n]), np.column_stack([here, there + n, here + n])]
@@ -96,7 +96,7 @@ def between(points: Floats, left: Faces, right: Faces) -> Faces:
 def revolved(outline: ArrayLike, count: int) -> trimesh.Trimesh:
     """A closed solid about z from radii and heights (n, 2), both ends on the axis.
 
-    What is inside lies to the left of the outline, radius to the right and height up.
+    The interior lies to the left of the outline, with the radius to the right and the height up.
     """
     profile = np.asarray(outline, dtype=np.float64)
     rings = [np.column_stack([r * circle(1.0, count), np.full(count, z)]) for r, z in profile[1:-1]]

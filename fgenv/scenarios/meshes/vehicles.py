@@ -1,7 +1,7 @@
-"""Meshes of what moves and stands in the built-in scenarios. Meters, x forward, z up.
+"""Meshes of robots and obstacles in the built-in scenarios. Meters, x forward, z up.
 
 Sines come from the native core: the same mesh on every machine. Each stands on the floor at its
-origin but for the drone, whose origin is its middle. Some are several closed shells that overlap.
+origin, except the drone, which has its origin in the middle. Some have several closed shells.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all kinds of shapes in a scenario file have, and how their sizes are told."""
+"""Base classes of the shapes in a scenario file, and fields with units."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fgenv.collision import Shape
 
-LONGEST = 1e4  # meters: more is a slip
+LONGEST = 1e4  # meters; a larger size is taken for an error
 
 
 class Spec(BaseModel):
@@ -21,7 +21,7 @@ class Spec(BaseModel):
 
 
 def quantity(unit: str, about: str, default: Any = ..., **bounds: Any) -> Any:
-    """A finite number with a unit, told in the schema."""
+    """A finite number; its unit is part of the schema."""
     extra: Any = {"unit": unit}
     about = f"{about} ({unit})"
     bounds.setdefault("allow_inf_nan", False)
@@ -37,22 +37,22 @@ Length = Annotated[float, meters("Length")]
 
 
 class Form(Spec):
-    """What all kinds of shapes have."""
+    """A shape in a scenario file."""
 
     @abstractmethod
     def shape(self, folder: Path | None = None) -> Shape:
         """The shape; equal forms share one.
 
         Args:
-            folder: what the path of a mesh file is relative to.
+            folder: folder of relative mesh paths.
 
         Raises:
-            ValueError, FileNotFoundError: saying what is wrong.
+            ValueError, FileNotFoundError: invalid sizes or mesh file.
         """
 
 
 class Solid(Form):
-    """A kind that is made from its sizes."""
+    """A shape that is generated from its sizes."""
 
     @abstractmethod
     def mesh(self) -> Any:

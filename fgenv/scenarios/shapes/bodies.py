@@ -1,4 +1,4 @@
-"""Shapes as a scenario file writes them: a kind, and its sizes."""
+"""The kinds of shapes in a scenario file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Triple = tuple[Place, Place, Place]
 
 
 class Box(Solid):
-    """A box, its middle at the origin."""
+    """A box, centered at the origin."""
 
     kind: Literal["box"]
     size: tuple[Length, Length, Length] = Field(description="Edges along x, y and z (m)")
@@ -44,7 +44,7 @@ class Block(Solid):
 
 
 class Cylinder(Solid):
-    """A cylinder about z, its middle at the origin; the mesh encloses it by at most 1 mm."""
+    """A cylinder about z, centered at the origin; the mesh encloses it by at most 1 mm."""
 
     kind: Literal["cylinder"]
     radius: float = meters("Radius")
@@ -55,7 +55,7 @@ class Cylinder(Solid):
 
 
 class Sphere(Solid):
-    """A sphere, its middle at the origin; the mesh encloses it by at most 1 % of its radius."""
+    """A sphere, centered at the origin; the mesh encloses it by at most 1 % of its radius."""
 
     kind: Literal["sphere"]
     radius: float = meters("Radius")
@@ -79,8 +79,8 @@ class LShape(Solid):
     """An L seen from above, corner at -x, -y; stands on the floor, middle of its box at 0, 0."""
 
     kind: Literal["l"]
-    length: float = meters("Along x")
-    width: float = meters("Along y")
+    length: float = meters("Length along x")
+    width: float = meters("Width along y")
     arm: float = meters("Thickness of both arms, below length and width")
     height: float = meters("Height", 0.3)
 
@@ -94,8 +94,8 @@ class Cart(Solid):
     """A low transport robot, x forward; stands on the floor at its origin."""
 
     kind: Literal["cart"]
-    length: float = meters("Along x", 0.8)
-    width: float = meters("Along y", 0.5)
+    length: float = meters("Length along x", 0.8)
+    width: float = meters("Width along y", 0.5)
     height: float = meters("Height", 0.25)
 
     def mesh(self) -> Any:
@@ -106,8 +106,8 @@ class CarBody(Solid):
     """A car, x forward, the origin on the floor under its rear axle; axles 0.6 length apart."""
 
     kind: Literal["car"]
-    length: float = meters("Along x", 2.5)
-    width: float = meters("Along y", 1.2)
+    length: float = meters("Length along x", 2.5)
+    width: float = meters("Width along y", 1.2)
     height: float = meters("Height", 1.2)
 
     def mesh(self) -> Any:
@@ -118,8 +118,8 @@ class Shelf(Solid):
     """A rack on four legs, its boards along x; stands on the floor at its origin."""
 
     kind: Literal["shelf"]
-    length: float = meters("Along x", 2.0)
-    depth: float = meters("Along y", 1.0)
+    length: float = meters("Length along x", 2.0)
+    depth: float = meters("Width along y", 1.0)
     height: float = meters("Height", 1.6)
     clear: float = meters("Room under the lowest board, below the height", 0.35)
     levels: int = Field(default=3, ge=1, le=20, strict=True, description="Number of boards")
@@ -135,7 +135,7 @@ class Tree(Solid):
     """A conifer; stands on the floor at its origin."""
 
     kind: Literal["tree"]
-    radius: float = meters("Of the trunk", 0.12)
+    radius: float = meters("Radius of the trunk", 0.12)
     height: float = meters("Height", 4.0)
     crown: float = meters("Radius of the crown", 0.8)
 
@@ -144,7 +144,7 @@ class Tree(Solid):
 
 
 class Quadcopter(Solid):
-    """A quadcopter with four rotors, x forward, its middle at the origin."""
+    """A quadcopter with four rotors, x forward, centered at the origin."""
 
     kind: Literal["quadcopter"]
     span: float = meters("Width over the rotors", 0.5)
@@ -184,11 +184,11 @@ class MeshFile(Form):
     sha256: str | None = Field(
         default=None,
         pattern="^[0-9a-f]{64}$",
-        description="Hash of the file's bytes, checked on loading",
+        description="SHA-256 of the file, checked when it is loaded",
     )
 
     def path(self, folder: Path | None) -> Path:
-        """Where the file is."""
+        """Path of the file."""
         return (folder or Path()) / self.file
 
     def shape(self, folder: Path | None = None) -> Shape:
@@ -197,19 +197,19 @@ class MeshFile(Form):
         return _from_file(path, self.scale, status and (status.st_mtime_ns, status.st_size))
 
     def check_hash(self, folder: Path | None) -> None:
-        """ValueError where the file's bytes are not those of `sha256`."""
+        """Raise ValueError if the hash of the file is not `sha256`."""
         found = hashlib.sha256(self.path(folder).read_bytes()).hexdigest()
         if self.sha256 not in (None, found):
             raise ValueError(f"sha256 of {self.file} is {found}, not as written")
 
 
 class Triangles(Solid):
-    """A mesh written out."""
+    """A mesh given by its vertices and faces."""
 
     kind: Literal["triangles"]
     vertices: tuple[Point, ...] = Field(min_length=3, description="x, y, z of each (m)")
     faces: tuple[Triple, ...] = Field(
-        min_length=1, description="Three places in vertices, from 0, counter-clockwise"
+        min_length=1, description="Three indices of vertices, from 0, counter-clockwise"
     )
 
     def mesh(self) -> Any:
@@ -245,5 +245,5 @@ AnyForm = Annotated[
 
 @lru_cache(maxsize=256)
 def _from_file(path: Path, scale: float, status: object) -> Shape:
-    """Read again where the file is another one."""
+    """`status` makes the cache read a changed file again."""
     return Shape.load(path, scale=scale)

@@ -43,7 +43,7 @@ class Chair(Solid):
     """A chair on four legs, its back at -x; stands on the floor at its origin."""
 
     kind: Literal["chair"]
-    width: float = meters("Of the seat, along x and y", 0.45)
+    width: float = meters("Size of the seat, along x and y", 0.45)
     seat: float = meters("Height of the seat, below the height", 0.46)
     height: float = meters("Height of the back", 0.9)
 
@@ -58,8 +58,8 @@ class TwistedBar(Solid):
 
     kind: Literal["twisted_bar"]
     length: float = meters("Along x")
-    width: float = meters("Of the section, along y in the middle")
-    height: float = meters("Of the section, along z in the middle")
+    width: float = meters("Width of the section, along y in the middle")
+    height: float = meters("Height of the section, along z in the middle")
     turn: float = turn("From -x to +x, about x")
 
     def mesh(self) -> Any:
@@ -72,8 +72,8 @@ class TwistedWall(Solid):
     kind: Literal["twisted_wall"]
     thickness: float = meters("Along x")
     side: float = meters("Along y and z")
-    width: float = meters("Of the channel, along y at -x")
-    height: float = meters("Of the channel, along z at -x")
+    width: float = meters("Width of the channel, along y at -x")
+    height: float = meters("Height of the channel, along z at -x")
     turn: float = turn("From -x to +x, about x")
 
     def mesh(self) -> Any:
