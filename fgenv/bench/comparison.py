@@ -158,7 +158,7 @@ def compare_pair(pair: Pair, count: int, rng: np.random.Generator, tolerance: fl
 
 
 def run(racing: dict[str, Baseline], pose_a: Poses, poses: Poses) -> dict[str, Score]:
-    """All methods on all poses, in turns of a block; who begins changes from block to block."""
+    """All methods on all poses, block by block; the order of methods rotates."""
     scores = {name: Score() for name in racing}
     names = list(racing)
     for turn, start in enumerate(range(0, len(poses), BLOCK)):

@@ -1,4 +1,4 @@
-"""`fgenv bench pairs` measures what it says, on few poses."""
+"""`fgenv bench pairs` on few poses: counts, ratios and reports."""
 
 from __future__ import annotations
 
@@ -110,5 +110,5 @@ def test_single_calls_are_timed_one_by_one() -> None:
 def test_kept_bytes_are_those_of_the_allocator() -> None:
     found = kept_bytes(lambda: np.ones(1_000_000))
     if found is None:
-        pytest.skip("this C library does not tell")
+        pytest.skip("this C library does not report it")
     assert found == pytest.approx(8e6, rel=0.01)

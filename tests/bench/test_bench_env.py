@@ -1,4 +1,4 @@
-"""`fgenv bench env` measures what it says: by a made-up clock, and on a round of each library."""
+"""`fgenv bench env`, with an injected clock and in one round of each library."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Clock:
         return self.now
 
     def batch(self, robots: int, worlds: int, seconds: float, log: list[int]) -> Batch:
-        """Takes so many seconds a robot-step, the first time ten times as many."""
+        """Takes this many seconds per robot-step, and ten times as many the first time."""
 
         def step(k: int) -> None:
             self.now += seconds * robots * worlds * (10.0 if not log else 1.0)
@@ -44,7 +44,7 @@ class Clock:
 
 
 class FakeSimulator:
-    """The face of the simulator; a step takes 1 ms a robot, and 10 µs more for each other one."""
+    """Stands in for the simulator; a step takes 1 ms per robot, and 10 µs for each other robot."""
 
     action_size = 2
 
@@ -66,7 +66,7 @@ class FakeSimulator:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    """Of a simulator that is none, and of the libraries beside it."""
+    """Rates of a stand-in simulator, and of the libraries beside it."""
     clock = Clock()
     monkeypatch.setattr(ours, "simulator", lambda scene, e: FakeSimulator(clock, scene, e))
     monkeypatch.setattr(ours, "views", lambda robots, seed: {})

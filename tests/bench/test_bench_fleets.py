@@ -1,4 +1,4 @@
-"""The race of methods over frozen sets: what it counts holds, and bad input is told."""
+"""The race of methods over frozen sets: its counts hold, and bad input is reported."""
 
 from __future__ import annotations
 

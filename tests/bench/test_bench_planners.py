@@ -1,4 +1,4 @@
-"""`fgenv bench planners` measures what it says, on one small problem."""
+"""`fgenv bench planners` on one small problem."""
 
 from __future__ import annotations
 

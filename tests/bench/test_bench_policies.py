@@ -63,7 +63,7 @@ def test_the_command_tells_rows(
         cli.main()
     assert not stopped.value.code
     rows = json.loads(capsys.readouterr().out)["rows"]
-    assert "safe:mlp" in plot.read_text()  # a legend that names who is drawn
+    assert "safe:mlp" in plot.read_text()  # a legend with the drawn policies
     assert [row["policy"] for row in rows] == ["orca", *chosen("long 4 holonomic")[0].policies[1:]]
     for row in rows:
         assert 0 <= row["success"][1] <= row["success"][0] <= row["success"][2] <= 1

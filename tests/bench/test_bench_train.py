@@ -1,4 +1,4 @@
-"""`fgenv bench train` measures what it says."""
+"""`fgenv bench train`: rates, versions and plots."""
 
 from __future__ import annotations
 

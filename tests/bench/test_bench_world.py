@@ -1,4 +1,4 @@
-"""`fgenv bench world` measures what it says, on few bodies and few motions."""
+"""`fgenv bench world` on few bodies and few motions."""
 
 from __future__ import annotations
 

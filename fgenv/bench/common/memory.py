@@ -18,7 +18,7 @@ class _Mallinfo(ctypes.Structure):
 
 
 def allocated() -> int | None:
-    """Bytes in use by malloc in this process; None where the C library does not tell."""
+    """Bytes in use by malloc in this process; None if the C library does not report them."""
     try:
         ask = ctypes.CDLL(None).mallinfo2
     except AttributeError:
@@ -29,7 +29,7 @@ def allocated() -> int | None:
 
 
 def kept_bytes(build: Callable[[], Any]) -> int | None:
-    """Bytes that the model made by `build` holds; None where it can't be told."""
+    """Bytes held by the model that `build` makes; None if unknown."""
     gc.collect()
     before = allocated()
     model = build()

@@ -1,7 +1,7 @@
 """Seeded random poses of one body beside another, 30 to 50 % of them colliding, many near contact.
 
 A body that slides along a random direction has a place where it comes free. The poses lie around
-that place, at distances whose logarithm is uniform over some decades of the size.
+that place, at log-uniform distances over several decades of the size.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is raced: worlds of robots that step together, by actions that were drawn before."""
+"""Batches of worlds that step together, with actions drawn beforehand."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.bench.common.timing import Clock
 
-Record = dict[str, Any]  # what goes to JSON
+Record = dict[str, Any]  # for JSON
 Step = Callable[[int], object]
 ACTIONS = 64  # sets of actions drawn beforehand, used in turn
 
@@ -66,11 +66,11 @@ def race(
     *,
     clock: Clock = process_time,
 ) -> dict[str, Floats]:
-    """Seconds a robot-step of each batch in each round, (rounds,).
+    """Seconds per robot-step of each batch in each round, (rounds,).
 
-    A round is as many steps as take about `seconds`, at least one; batches take turns, and who
-    begins changes from round to round. Compare what belongs to one round: neighbors were timed
-    under the same load of the machine, which may double what a step takes.
+    A round has as many steps as take about `seconds`, at least one. Batches take turns, and their
+    order rotates. Compare values of the same round: they were measured under the same load of the
+    machine, which may double the time of a step.
     """
     steps = {name: _affordable(batch, seconds, clock) for name, batch in batches.items()}
     taken: dict[str, list[float]] = {name: [] for name in batches}
@@ -83,7 +83,7 @@ def race(
 
 
 def _affordable(batch: Batch, seconds: float, clock: Clock) -> int:
-    """Steps that take `seconds`; doubles a trial until it takes long enough to be told from."""
+    """Number of steps that take `seconds`; doubles a trial until it can be timed."""
     _round(batch, 1, clock)  # the first touch pays for caches and lazy set-up
     steps = 1
     while (each := _round(batch, steps, clock) * batch.size) * steps < 0.1 * seconds:
@@ -93,7 +93,7 @@ def _affordable(batch: Batch, seconds: float, clock: Clock) -> int:
 
 def _round(batch: Batch, steps: int, clock: Clock) -> float:
     batch.restart()
-    gc.disable()  # a collection would be charged to whoever is at it
+    gc.disable()  # a collection would be charged to the current batch
     try:
         began = clock()
         for k in range(steps):

@@ -60,7 +60,7 @@ def peers() -> list[Peer]:
 
 
 def versions() -> dict[str, str]:
-    """Of fgenv, of what it is raced against, and of what that computes with.
+    """Versions of fgenv, of its peers, and of their numeric libraries.
 
     Raises:
         PackageNotFoundError: an ImportError that names the package.

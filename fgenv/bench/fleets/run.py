@@ -1,4 +1,4 @@
-"""Planning all cases of a frozen set, and what came of it."""
+"""Plans all cases of a frozen set."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def bench_fleets(fleets: tuple[Fleet, ...], cases: int) -> Iterator[Record]:
 
 
 def row(fleet: Fleet, method: str, cases: FrozenSet) -> Record:
-    """Of one method: share of cases solved, CPU seconds, makespan, and why others were not."""
+    """Results of one method: share of solved cases, CPU seconds, makespan, reasons of failures."""
     done = [attempt(case, method, fleet.limit) for case in cases]
     solved = [one for one in done if one["solved"]]
     middle = {

@@ -15,7 +15,7 @@ class Fleet:
     Attributes:
         name: of the row.
         scenario, overrides: for `frozen`.
-        limit: seconds a case.
+        limit: seconds per case.
         methods: of `fgenv.planners.METHODS`.
     """
 

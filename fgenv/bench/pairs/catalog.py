@@ -111,7 +111,7 @@ PAIRS = (
 
 
 def chosen(which: str) -> tuple[Pair, ...]:
-    """The pairs for `all`, `quick` or part of a name, as far as their meshes are installed."""
+    """The pairs for `all`, `quick` or part of a name, if their meshes are installed."""
     found = tuple(pair for pair in PAIRS if _wanted(pair, which))
     if not found:
         names = "; ".join(pair.name for pair in PAIRS)

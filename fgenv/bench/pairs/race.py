@@ -15,7 +15,7 @@ from fgenv.bench.common.timing import build_seconds, each_call, race
 from fgenv.bench.pairs.catalog import Pair
 from fgenv.bench.peers import Checker, Peer
 
-Record = dict[str, Any]  # what goes to JSON
+Record = dict[str, Any]  # for JSON
 SLOW_BUDGET = 4.0  # seconds a peer may take for one column of one pair
 DISTANCE_POSES, CALL_POSES = 400, 2000
 

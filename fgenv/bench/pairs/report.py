@@ -78,7 +78,7 @@ def _table(title: str) -> Table:
 
 
 def _number(value: float | None, unit: float) -> str:
-    """Three digits, or a dash for what was not measured."""
+    """Three digits, or a dash for a missing value."""
     if value is None:
         return "-"
     shown = value * unit
@@ -86,7 +86,7 @@ def _number(value: float | None, unit: float) -> str:
 
 
 def _times(value: float | None) -> str:
-    """Two digits are as many as a busy machine gives."""
+    """Two digits: timings on a busy machine have no more."""
     if value is None:
         return "-"
     return f"{value:.1f}" if value >= 1 else f"{value:.2f}"

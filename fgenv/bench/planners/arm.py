@@ -1,7 +1,7 @@
 """An arm's exact link meshes in pinocchio with coal, as a careful user writes a checker in Python.
 
 The same meshes, scene and pairs of links that fgenv takes; `computeCollisions` places all links and
-asks all pairs in one call, up to the first contact. What stands is one merged mesh, or a body each
+asks all pairs in one call, up to the first contact. Obstacles are one merged mesh, or a body each
 (boxes as coal's own), whichever is faster.
 """
 

@@ -23,7 +23,7 @@ LIMIT = 20.0  # seconds
 
 
 def race_family(family: str, numbers: Sequence[int], seed: int, limit: float, told: Told) -> Record:
-    """Problems of a family, one search each; who begins changes from problem to problem."""
+    """Problems of a family, one search each; the order of checkers rotates."""
     found: dict[str, list[Found]] = {CERTIFIED: [], ARM: []}
     hidden = dict.fromkeys(found, 0)
     for k, number in enumerate(numbers):

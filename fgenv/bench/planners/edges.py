@@ -20,8 +20,8 @@ class Recording:
 
     Attributes:
         starts, ends: of the motions asked, (n, size).
-        free: (n,), what was answered.
-        valid: what was answered about single states.
+        free: (n,), the verdicts.
+        valid: the verdicts on single states.
     """
 
     starts: Floats

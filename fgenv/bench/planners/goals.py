@@ -1,4 +1,4 @@
-"""What was expected of ``fgenv bench planners``, and what was measured."""
+"""Goals of ``fgenv bench planners``, with the measured values."""
 
 from __future__ import annotations
 

@@ -21,8 +21,8 @@ NOTES = {
     "edges": "µs of CPU an edge: the very edges that certified searches asked for, asked again "
     "through OMPL; native: certified in one batch; plug: what OMPL and the plug-in add to that; "
     "×FCL: python-fcl's time over fgenv's discrete at equal resolution; states: single states.",
-    "floor": "The same searches with their answers known beforehand: what OMPL itself spends. "
-    "times: certified against it, median; floor, check: µs a motion of that, and above it.",
+    "floor": "The same searches with known verdicts: the cost of OMPL itself. "
+    "times: certified against it, median; floor, check: µs per motion of that, and above it.",
     "traps": "Solved within the time limit; hidden as above.",
     "mbm": "ms of CPU to the first solution; hidden: shortened solutions in which pinocchio and "
     "coal find a collision at 1/3200 rad. pinocchio + coal: discrete, 1/32 rad.",
@@ -142,7 +142,7 @@ def mbm_table(records: Sequence[Record]) -> Table:
 
 
 def goals_table(records: Sequence[Mapping[str, Any]]) -> Table:
-    """What was expected, and what was measured."""
+    """Goals and measured values."""
     table = _table("Goals", ("",), ("expected", "measured", ""))
     for goal, found in records[0].items():
         most, expected, measured = found.get("at_most"), found["expected"], found["measured"]

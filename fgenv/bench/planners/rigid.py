@@ -1,6 +1,6 @@
-"""Checkers in Python on other libraries, as a careful user writes them: what they share.
+"""Common parts of state checkers in Python on other libraries, as a careful user writes them.
 
-Models are built once. A state's numbers come by OMPL's `serialize` straight into an array whose
+Models are built once. OMPL's `serialize` writes the numbers of a state into an array whose
 views are what the libraries take: no other way of reading a state was faster. All that stands is
 either one merged mesh or a tree of boxes over bodies, whichever is faster on the problem at hand.
 """
@@ -28,7 +28,7 @@ def joined(
     meets: Callable[[Any], bool],
     each_other: Callable[[Any, Any], Any],
 ) -> Collides:
-    """Whether any robot meets what stands, or two of them each other; the first yes ends it."""
+    """Whether a robot collides with an obstacle or another robot; stops at the first collision."""
     if len(bodies) == 1:
         move, body = moves[0], bodies[0]
 

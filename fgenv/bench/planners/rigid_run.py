@@ -15,37 +15,37 @@ from .task import Task
 from .ways import CERTIFIED, DISCRETE, FCL, Way, ways_of
 
 Record = dict[str, Any]
-RECORDED = 3  # searches whose edges are asked again
+RECORDED = 3  # searches with edges that are checked again
 Told = Callable[[str], None]
 
 
 def race_task(
-    task: Task, peers: Sequence[str], seeds: Sequence[int], limit: float, told: Told
+    task: Task, peers: Sequence[str], seeds: Sequence[int], limit: float, report_progress: Told
 ) -> Record:
-    """Everything about one problem; `told` hears what is being done."""
+    """All measurements of one problem; `report_progress` receives progress messages."""
     ways = ways_of(task, list(peers))
-    found = solve_all(task, ways, seeds, limit, told)
+    found = solve_all(task, ways, seeds, limit, report_progress)
     judge = judge_of(task, fcl_bodies(task))
     record = about(task, limit)
     record["ways"] = {name: summed(runs, judge) for name, runs in found.items()}
     certified = found[CERTIFIED]
     solved = [seed for seed, one in zip(seeds, certified, strict=True) if one.path is not None]
     if solved:
-        told("the floor")
+        report_progress("the floor")
         known = [recorded(ways[CERTIFIED], seed, limit) for seed in solved]
         least = [floor(ways[CERTIFIED], s, limit, k) for s, k in zip(solved, known, strict=True)]
         own = [one for one in certified if one.path is not None]
         record["floor"] = floored(own, least)
-        told("edges once more")
+        report_progress("edges once more")
         record["edges"] = replay(ways, known[:RECORDED], seeds[0])
     record["ratio"] = ratios(record)
     return record
 
 
-def race_trap(task: Task, seeds: Sequence[int], limit: float, told: Told) -> Record:
+def race_trap(task: Task, seeds: Sequence[int], limit: float, report_progress: Told) -> Record:
     """How many seeds solve it: certified, and by python-fcl."""
     ways = {k: way for k, way in ways_of(task, [FCL]).items() if k != DISCRETE}
-    found = solve_all(task, ways, seeds, limit, told)
+    found = solve_all(task, ways, seeds, limit, report_progress)
     judge = judge_of(task, fcl_bodies(task))
     return about(task, limit) | {
         "ways": {name: summed(runs, judge) for name, runs in found.items()}
@@ -53,7 +53,7 @@ def race_trap(task: Task, seeds: Sequence[int], limit: float, told: Told) -> Rec
 
 
 def about(task: Task, limit: float) -> Record:
-    """What was planned."""
+    """The problem."""
     return {
         "problem": task.name,
         "robots": len(task.movers),
@@ -64,16 +64,16 @@ def about(task: Task, limit: float) -> Record:
 
 
 def solve_all(
-    task: Task, ways: Mapping[str, Way], seeds: Sequence[int], limit: float, told: Told
+    task: Task, ways: Mapping[str, Way], seeds: Sequence[int], limit: float, report_progress: Told
 ) -> dict[str, list[Found]]:
-    """All ways in turn on each seed; who begins changes from seed to seed."""
+    """All checkers on each seed; their order rotates."""
     found: dict[str, list[Found]] = {name: [] for name in ways}
     names = list(ways)
     for way in ways.values():
         run(seeded(way, seeds[0]), 0.02, shorten=False)  # the first touch pays for caches
     for k, seed in enumerate(seeds):
         for name in names[k % len(names) :] + names[: k % len(names)]:
-            told(f"seed {seed}, {name}")
+            report_progress(f"seed {seed}, {name}")
             found[name].append(run(seeded(ways[name], seed), limit))
     return found
 

@@ -47,7 +47,7 @@ class PlannerBenchConfig:
     arm_limit: float = arm_run.LIMIT
 
     def check(self) -> None:
-        """Raises what is wrong before anything has run.
+        """Raise errors of the options before anything runs.
 
         Raises:
             ImportError: a library is not installed.
@@ -74,27 +74,27 @@ class PlannerBenchConfig:
 
 
 def bench_planners(
-    config: PlannerBenchConfig, told: Callable[[str], None] = lambda doing: None
+    config: PlannerBenchConfig, report_progress: Callable[[str], None] = lambda doing: None
 ) -> Iterator[tuple[str, Record]]:
     """Yield (kind, record): `problems`, `traps`, `mbm` by family, `goals` at last.
 
-    Seconds are CPU seconds of the process. `told` hears what is being done.
+    Seconds are CPU-seconds of the process. `report_progress` receives progress messages.
     """
     config.check()
     tasks = [Task.of(name, config.resolution) for name in config.problems]
     done: dict[str, list[Record]] = {"problems": [], "traps": [], "mbm": []}
     with silent():
-        for kind, record in _parts(config, tasks, told):
+        for kind, record in _parts(config, tasks, report_progress):
             done[kind].append(record)
             yield kind, record
     yield "goals", goals(done)
 
 
 def _parts(
-    config: PlannerBenchConfig, tasks: Sequence[Task], told: Callable[[str], None]
+    config: PlannerBenchConfig, tasks: Sequence[Task], report_progress: Callable[[str], None]
 ) -> Iterator[tuple[str, Record]]:
     def named(name: str) -> Callable[[str], None]:
-        return lambda doing: told(f"{name}: {doing}")
+        return lambda doing: report_progress(f"{name}: {doing}")
 
     for task in tasks:
         yield (

@@ -42,7 +42,7 @@ class Found:
 
 
 def seeded(way: Way, seed: int) -> Search:
-    """A new search whose random numbers come from a seed; OMPL ignores one of 0."""
+    """A new search with seeded random numbers; OMPL ignores a seed of 0."""
     ou.RNG.setSeed(seed + 1)
     return way()
 
@@ -64,7 +64,7 @@ def run(search: Search, limit: float, shorten: bool = True) -> Found:
 def within(seconds: float) -> Iterator[Any]:
     """A termination condition that says so after CPU seconds of the process.
 
-    A signal tells it: a clock that is looked at all the time would be timed as well, and a timer of
+    A signal ends it: a clock that is polled would be part of the measurement, and a timer of
     CPU time makes that clock coarse. The signal is heard where Python code runs, and in fgenv's
     checks now and then. In the main thread only.
     """
@@ -108,11 +108,11 @@ Judge = Callable[[Floats], bool]  # whether a path (m, size) has a state that co
 
 
 class Moves(Protocol):
-    """What a judge has to know of a task."""
+    """Data of a task for the independent judge."""
 
     @property
     def resolution(self) -> float:
-        """Of discrete checks, as `steps` takes it."""
+        """Resolution of discrete checks, see `steps`."""
 
     @property
     def samples(self) -> Floats:

@@ -1,4 +1,4 @@
-"""What is planned: problems by name, and the same as plain triangles for the other libraries."""
+"""Planning problems by name, and as plain triangles for the other libraries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fgenv.planners.ompl.setup import problem_space
 from fgenv.planners.ompl.spaces import StateLayout
 from fgenv.planners.problem import Problem
 
-FINE = 0.01  # of the space's extent: the resolution that OMPL has where nobody says one
+FINE = 0.01  # of the space's extent: OMPL's default resolution
 SAMPLES = 2000  # configurations, to compare lengths of steps on
 
 
@@ -42,7 +42,7 @@ class Task:
 
     @classmethod
     def of(cls, name: str, resolution: float | None = None) -> Task:
-        """By name, `cubicles` or `cubicles:2`; 1 % of the room's diagonal if no resolution is told.
+        """The task `cubicles` or `cubicles:2`; default resolution: 1 % of the diagonal.
 
         Raises:
             ValueError: no such scenario; not one of free bodies.

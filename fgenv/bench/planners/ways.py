@@ -24,7 +24,7 @@ PEERS = {FCL: "fcl", COAL: "coal"}  # and the modules that they need
 
 
 class PythonChecker(ob.StateValidityChecker):  # type: ignore[misc]
-    """Reads a state into a row, and asks whether what is there collides. Counts."""
+    """Reads a state into a row and checks it for collisions. Counts the checks."""
 
     def __init__(self, si: Any, collides_in: Bind, size: int) -> None:
         super().__init__(si)

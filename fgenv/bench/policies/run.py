@@ -1,7 +1,7 @@
-"""How policies avoid each other: those that come along and ORCA, on sets that no training saw.
+"""Avoidance of the included policies and of ORCA, on frozen sets that are not used in training.
 
-Sets are those that the project has goals for. A policy that comes along is also run behind the
-safety filter, which is a row of its own.
+The sets are those with goals. Each included policy is also run behind the safety filter, as a row
+of its own.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ GUIDED = "orca:shortest"
 
 @dataclass(frozen=True)
 class Trial:
-    """A frozen set, who is trained for it, and what is expected of it.
+    """A frozen set, the policy that is trained for it, and its goal.
 
     Attributes:
         name: of the row.
         scenario, overrides: for `frozen`.
-        policy: the file that comes along for it, if there is one: `mlp:POLICY`.
-        goal: share of episodes that are to succeed.
-        above: by how much more than those of ORCA.
-        base: what it is compared with.
+        policy: name of the included policy, `mlp:POLICY`, if there is one.
+        goal: expected share of successful episodes.
+        above: expected margin over ORCA's share.
+        base: the policy to compare with.
     """
 
     name: str
@@ -41,20 +41,20 @@ class Trial:
 
     @property
     def policies(self) -> tuple[str, ...]:
-        """Names of those that are run: the base, where walls stand also ORCA along shortest paths;
-        the one that comes along, and the same filtered."""
+        """Names of the policies: the base, ORCA along shortest paths if there are walls, and the
+        included policy with and without the safety filter."""
         found = (self.base, GUIDED) if self.walls else (self.base,)
         own = (f"mlp:{self.policy}", f"safe:mlp:{self.policy}")
         return (*found, *own) if self.policy in included() else found
 
     @property
     def walls(self) -> bool:
-        """Whether something stands in the way of planar robots."""
+        """Whether the scenario has obstacles for planar robots."""
         return self.scenario not in ("swap", "forest")
 
 
 def trials() -> Iterator[Trial]:
-    """All of them, each with a holonomic and a differential drive; the latter may lose 0.05."""
+    """All trials, with holonomic and differential drives; the goal of the latter is 0.05 lower."""
     for drive, less in (("holonomic", 0.0), ("differential", 0.05)):
         for n, goal in ((4, 0.99), (8, 0.99), (12, 0.95), (20, 0.95)):
             given = {"n": n, "vary": 0.5, "drive": drive}
@@ -81,11 +81,12 @@ def trials() -> Iterator[Trial]:
 
 
 def chosen(which: str) -> list[Trial]:
-    """Those with one of these words (with commas) in their names; all of `all`, `shipped` those
-    that a policy comes along for.
+    """The trials with one of the given words, separated by commas, in their names.
+
+    `all` selects all trials, `shipped` those with an included policy.
 
     Raises:
-        ValueError: there is none.
+        ValueError: no trial matches.
     """
     every = list(trials())
     if which == "all":
@@ -101,15 +102,14 @@ def chosen(which: str) -> list[Trial]:
 
 
 def run(trial: Trial, cases: int, jobs: int) -> list[Record]:
-    """Scores of its policies, one record each."""
-    several = frozen(trial.scenario, cases=cases, **trial.overrides)
-    several = frozen(trial.scenario, cases=cases, **trial.overrides)
-    found = evaluate(several, trial.policies, jobs=jobs, clearance=False)
+    """Evaluate the policies of a trial, one record each."""
+    frozen_set = frozen(trial.scenario, cases=cases, **trial.overrides)
+    found = evaluate(frozen_set, trial.policies, jobs=jobs, clearance=False)
     return [record(trial, name, found) for name in trial.policies]
 
 
 def record(trial: Trial, name: str, found: Evaluation) -> Record:
-    """What is told of one policy; `met`: whether it is as good as expected, None of the base."""
+    """The record of one policy; `met`: whether it reaches its goal, None for the base."""
     score, base = found.scores[name], found.scores[trial.base].success.value
     above = min(1.0, base + trial.above) if trial.above else 0.0
     goal = max(trial.goal, above)

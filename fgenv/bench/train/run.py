@@ -88,7 +88,7 @@ def bench_train(
 ) -> list[Record]:
     """Samples in a CPU second, PPO with its default network (two layers of 64), one thread.
 
-    Each takes turns to gather 64 steps of each row and learn from them; told is the median over
+    They take turns to gather 64 steps per row and learn from them; the result is the median over
     rounds, a first one not counted: `gather` with the policy's actions, `learn` the whole.
     """
     import torch

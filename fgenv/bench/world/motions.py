@@ -1,4 +1,4 @@
-"""Motions of a body past another: certified, discrete, FCL's continuous; cost, and who is right."""
+"""Motions of a body past another: certified, discrete, FCL's continuous; cost and correctness."""
 
 from __future__ import annotations
 
@@ -273,7 +273,7 @@ def _quartiles(values: NDArray[np.float64]) -> list[float]:
 def _race(
     jobs: Mapping[str, Way], asked: Mapping[str, int], rows: Indices, rounds: int
 ) -> dict[str, float]:
-    """Median CPU seconds a motion of each, in turns; ways that can't afford all are run once."""
+    """Median CPU-seconds per motion of each method, in turns; slow methods run once."""
     taken: dict[str, list[float]] = {name: [] for name in jobs}
     order, every = list(jobs), max(asked.values())
     for turn in range(rounds):

@@ -57,7 +57,7 @@ def along(T0: Poses, T1: Poses, fractions: Floats) -> Poses:
 class Scenes:
     """Worlds of different sizes around the same paths: the smaller are the middles of the largest.
 
-    Every world so holds the same bodies where the movers are, and differs in what is around.
+    All worlds have the same bodies near the movers, and differ in the surroundings.
     """
 
     def __init__(self, mesh: Mesh, sizes: Sequence[int], seed: int) -> None:

@@ -19,7 +19,7 @@ class Bodies(Protocol):
     """Bodies of one mesh in one library."""
 
     def step(self, poses: Poses) -> object:
-        """Move all bodies to poses (n, 4, 4) and find all pairs that collide: what is timed."""
+        """Move all bodies to poses (n, 4, 4) and find all colliding pairs; this is timed."""
 
     def pairs(self, poses: Poses) -> Pairs:
         """Those pairs, in a form to compare."""
@@ -93,7 +93,7 @@ class FclBodies:
         return count[0]
 
     def pairs(self, poses: Poses) -> Pairs:
-        """Bodies that share a model are told apart by where they are."""
+        """Bodies that share a model are distinguished by their poses."""
         self.place(poses)
         index = {body.getTranslation().tobytes(): k for k, body in enumerate(self.objects)}
         found: Pairs = set()
@@ -110,7 +110,7 @@ class FclBodies:
 
 class CoalBodies:
     """Its Python has neither callbacks nor the pairs that the manager collects: all contacts of
-    all pairs are the only way to them. Models are told apart by their addresses."""
+    all pairs are the only way to them. Models are distinguished by their addresses."""
 
     def __init__(self, mesh: Mesh, poses: Poses) -> None:
         import coal
@@ -229,5 +229,5 @@ MANAGERS = (
 
 
 def managers() -> list[Manager]:
-    """Those whose library is installed, fgenv first."""
+    """The managers with an installed library, fgenv first."""
     return [manager for manager in MANAGERS if find_spec(manager.needs) is not None]

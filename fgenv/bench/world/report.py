@@ -17,16 +17,16 @@ JOBS = {
     "1 cm": "discrete 1 cm",
 }
 NOTES = {
-    "steps": "ms of CPU a step, one thread, all bodies moved and all colliding pairs found; near: "
-    "pairs whose boxes meet; hits: pairs that collide; in brackets pairs that differ from "
-    "python-fcl's; coal tells pairs only with all their contacts, mujoco (h) answers about hulls; "
-    "-: over the budget.",
-    "movers": "µs of CPU: set_path a path, collides a pose, a motion (piece of path) certified and "
-    "at 1 cm; the smaller worlds are the middles of the largest, around the same paths. bear: "
-    "bodies that bear a mover's bit; tests: pairs of bodies tested a pose, with masks, as "
-    "published (which hides collisions), without; B: bytes a body, without shapes.",
-    "motions": "µs of CPU a motion, free and in contact, and verdicts that are wrong; ×1 cm: cost "
-    "of a free motion against the discrete check at 1 cm. Truth: the certified result.",
+    "steps": "CPU milliseconds per step, one thread, all bodies moved and all colliding pairs found. "
+    "near: pairs with overlapping boxes; hits: colliding pairs; in brackets: pairs that differ from "
+    "python-fcl's. coal reports pairs only with all their contacts; mujoco (h) uses hulls; -: over "
+    "the budget.",
+    "movers": "CPU microseconds of set_path, of a collision check, of a motion (piece of the path) certified "
+    "and at 1 cm. Smaller worlds are the middle of the largest, around the same paths. bear: bodies "
+    "with the bit of a mover; tests: pairs of bodies tested per pose, with masks, as published "
+    "(which hides collisions), and without; B: bytes per body, without shapes.",
+    "motions": "CPU microseconds per motion, free and in contact, and wrong verdicts; ×1 cm: cost of a free "
+    "motion relative to the discrete check at 1 cm. Ground truth: the certified result.",
     "truths": "clearance: quartiles of the least distance on free motions, in sizes; denied: "
     "proved free, and python-fcl finds a collision at one of a thousand poses; "
     "confirmed: contacts shown, and python-fcl collides there as well.",
@@ -151,7 +151,7 @@ def truths_table(records: Sequence[Record]) -> Table:
 
 
 def goals_table(records: Sequence[Mapping[str, Any]]) -> Table:
-    """What was expected, and what was measured."""
+    """Goals and measured values."""
     table = _table("Goals")
     table.add_column("", no_wrap=True)
     for title in ("expected", "measured", ""):
@@ -174,7 +174,7 @@ def _number(value: float) -> str:
 
 
 def plot(done: Mapping[str, Sequence[Record]], path: Path) -> None:
-    """Draw seconds a step, and pairs tested with masks and without, over bodies, to `path`."""
+    """Plot seconds per step, and pairs tested with and without masks, over the number of bodies."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 4.5), layout="constrained")
@@ -189,7 +189,7 @@ def plot(done: Mapping[str, Sequence[Record]], path: Path) -> None:
             if points:
                 label = f"{name}, {triangles} triangles"
                 left.plot(*zip(*points, strict=True), style, color=color, marker="o", label=label)
-    left.set(xscale="log", yscale="log", xlabel="bodies", ylabel="ms a step, all pairs")
+    left.set(xscale="log", yscale="log", xlabel="bodies", ylabel="ms per step, all pairs")
     for record in done["movers"]:
         style = styles.get(record["triangles"], "-")
         rows = record["rows"]

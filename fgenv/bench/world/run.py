@@ -18,7 +18,7 @@ STEPS = {10: 200, 100: 60, 1000: 20, 10_000: 7, 100_000: 3}
 
 def bench_world(*, seed: int = 0, quick: bool = False) -> Iterator[tuple[str, Record]]:
     """Yield (kind, record): `steps` for each mesh and number of bodies, `movers` for each mesh,
-    `threads`, `motions` for each pair of meshes; at last `goals`, what came out of them.
+    `threads`, `motions` for each pair of meshes; at last `goals`, the summary.
 
     Times in seconds: CPU of the process, but for `threads`.
     """
@@ -51,7 +51,7 @@ def bench_world(*, seed: int = 0, quick: bool = False) -> Iterator[tuple[str, Re
 
 
 def goals(done: dict[str, list[Record]]) -> Record:
-    """Each goal: what was expected, and what was measured."""
+    """Each goal with its measured value."""
     found: Record = {}
     for row in done["steps"]:
         if row["bodies"] in (100, 1000):

@@ -1,4 +1,4 @@
-"""All pairs a step: N bodies drift and turn, each library moves them and finds who collides."""
+"""All pairs per step: N bodies drift and turn; each library moves them and finds all collisions."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from fgenv.bench.world.peers import Bodies, Manager, Pairs
 
 Record = dict[str, Any]
 JUDGE = "python-fcl"
-CHECKED = 3  # steps whose pairs are compared, and no more seconds than the budget
+CHECKED = 3  # steps with compared pairs, at most the seconds of the budget
 MOST_BYTES = 1e9  # that a library may take: some keep a tree for each body
-Cost = tuple[float, float]  # seconds a step and bytes, a body
+Cost = tuple[float, float]  # seconds per step and bytes, per body
 
 
 def bench_steps(
@@ -33,10 +33,10 @@ def bench_steps(
     budget: float,
     costs: dict[str, Cost],
 ) -> Record:
-    """One row: seconds a step of each library with `count` bodies, pairs, verdicts, memory.
+    """One row: seconds per step of each library with `count` bodies, pairs, verdicts, memory.
 
-    A library that would take too long or too much memory is left out: `costs` tells what it took
-    with fewer bodies, and is brought up to date.
+    A library that would take too long or too much memory is left out. `costs` holds the costs with
+    fewer bodies, and is updated.
     """
     moving = crowd(mesh, count, np.random.default_rng([seed, len(mesh.faces), count]))
     fair = [m for m in racing if _affordable(costs.get(m.name, (0.0, 0.0)), count, budget)]
@@ -62,17 +62,17 @@ def _affordable(cost: Cost, count: int, budget: float) -> bool:
 def _make(
     manager: Manager, mesh: Mesh, moving: Crowd, held: dict[str, Bodies], out: Record
 ) -> None:
-    """Make a library's bodies; one that refuses so many is told with its words."""
+    """Make a library's bodies; the record holds the error of a library that refuses so many."""
     found: Record = {"truth": manager.truth}
     out[manager.name] = found
 
     def build() -> None:
         held[manager.name] = manager.make(mesh, moving.poses(0))
-        held[manager.name].step(moving.poses(1))  # some find out only now
+        held[manager.name].step(moving.poses(1))  # some fail only now
 
     began = process_time()
     try:
-        found["bytes"] = kept_bytes(build)  # of what is held, which outlives the call
+        found["bytes"] = kept_bytes(build)  # of the bodies, which outlive the call
     except Exception as error:  # any library's own
         found["refused"] = str(error).partition("\n")[0]
         held.pop(manager.name, None)
@@ -80,7 +80,7 @@ def _make(
 
 
 def _race(held: dict[str, Bodies], moving: Crowd, steps: int, budget: float) -> dict[str, float]:
-    """Median CPU seconds of a step of each; all see the same poses, who begins changes."""
+    """Median CPU-seconds per step of each; all get the same poses, and their order rotates."""
     taken: dict[str, list[float]] = {name: [] for name in held}
     names = list(held)
     for step in range(steps + 1):
@@ -136,7 +136,7 @@ def decided(mesh: Mesh, poses: Poses, pairs: Pairs) -> dict[bool, Pairs]:
 
 
 def _near_pairs(bodies: Any) -> int:
-    """Pairs whose boxes meet: those that fgenv tests for one step."""
+    """Pairs with overlapping boxes: the pairs that fgenv tests in one step."""
     before = bodies.world.tests
     bodies.world.contact_pairs(threads=1)
     return int(bodies.world.tests - before)
