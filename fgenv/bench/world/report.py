@@ -17,16 +17,18 @@ JOBS = {
     "1 cm": "discrete 1 cm",
 }
 NOTES = {
-    "steps": "CPU milliseconds per step, one thread, all bodies moved and all colliding pairs found. "
-    "near: pairs with overlapping boxes; hits: colliding pairs; in brackets: pairs that differ from "
-    "python-fcl's. coal reports pairs only with all their contacts; mujoco (h) uses hulls; -: over "
-    "the budget.",
-    "movers": "CPU microseconds of set_path, of a collision check, of a motion (piece of the path) certified "
-    "and at 1 cm. Smaller worlds are the middle of the largest, around the same paths. bear: bodies "
-    "with the bit of a mover; tests: pairs of bodies tested per pose, with masks, as published "
-    "(which hides collisions), and without; B: bytes per body, without shapes.",
-    "motions": "CPU microseconds per motion, free and in contact, and wrong verdicts; ×1 cm: cost of a free "
-    "motion relative to the discrete check at 1 cm. Ground truth: the certified result.",
+    "steps": "CPU milliseconds per step, one thread, all bodies moved and all colliding pairs "
+    "found. near: pairs with overlapping boxes; hits: colliding pairs; in brackets: "
+    "pairs that differ from python-fcl's. coal reports pairs only with all their "
+    "contacts; mujoco (h) uses hulls; -: over the budget.",
+    "movers": "CPU microseconds of set_path, of a collision check, of a motion (piece of the "
+    "path) certified and at 1 cm. Smaller worlds are the middle of the largest, "
+    "around the same paths. bear: bodies with the bit of a mover; tests: pairs of "
+    "bodies tested per pose, with masks, as published (which hides collisions), and "
+    "without; B: bytes per body, without shapes.",
+    "motions": "CPU microseconds per motion, free and in contact, and wrong verdicts; ×1 cm: "
+    "cost of a free motion relative to the discrete check at 1 cm. Ground truth: the "
+    "certified result.",
     "truths": "clearance: quartiles of the least distance on free motions, in sizes; denied: "
     "proved free, and python-fcl finds a collision at one of a thousand poses; "
     "confirmed: contacts shown, and python-fcl collides there as well.",
