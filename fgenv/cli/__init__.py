@@ -1,7 +1,7 @@
-"""The `fgenv` command: one file a command; this one puts them together.
+"""The `fgenv` command: one file per command, assembled here.
 
-Command modules import what is heavy (OMPL, plotting, peers) inside their functions, so that
-`fgenv --help` and tab completion answer at once.
+Command modules import heavy packages (OMPL, plotting, peers) inside their functions, so that
+`fgenv --help` and tab completion respond at once.
 """
 
 import sys
@@ -31,34 +31,34 @@ EPILOG = """
 [bold]Examples[/bold]
   fgenv run three_tanks                   the published experiment
   fgenv run three_tanks --mesh robot.stl  the same with your own robot
-  fgenv run three_tanks --json            for a machine to read
+  fgenv run three_tanks --json            one JSON document for programs
   fgenv run swap --policy goto --n 4 --movie swap.gif --record swap.npz
-  fgenv plan doorway --n 4 --out p.npz    paths for all robots, timed and proved
-  fgenv verify p.npz                      prove them again, from the file alone
+  fgenv plan doorway --n 4 --out p.npz    timed and certified paths for all robots
+  fgenv verify p.npz                      certify them again, from the file alone
   fgenv run doorway --n 4 --policy plan:p.npz
   fgenv eval swap --n 8 --set jitter=0.2 --policy orca --policy goto
-  fgenv train swap --out out/swap         a policy of your own, for
+  fgenv train swap --out out/swap         train a policy, then run it:
   fgenv run swap --policy mlp:out/swap/policy.npz
   fgenv view warehouse --n 16             watch an episode live in the browser
-  fgenv replay swap.npz --html swap.html  a page that plays it, offline
+  fgenv replay swap.npz --html swap.html  a self-contained page that plays it
   fgenv render swap.npz --mp4 swap.mp4 --camera orbit
   fgenv plot swap.npz --kind clearance --out gaps.png
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
-  fgenv validate s.yaml                   what is wrong with a scenario file
-  fgenv compare                           each method: how right, how fast
-  fgenv bench pairs                       race the other collision libraries
-  fgenv bench world                       the same with many bodies that move
-  fgenv bench env                         steps of many robots, against other simulators
-  fgenv bench planners                    OMPL on our checks, on python-fcl's and coal's
-  fgenv bench fleets                      frozen sets of many robots, method by method
+  fgenv validate s.yaml                   all errors of a scenario file
+  fgenv compare                           accuracy and speed of each method
+  fgenv bench pairs                       compare with other collision libraries
+  fgenv bench world                       the same with many moving bodies
+  fgenv bench env                         compare simulation steps of many robots
+  fgenv bench planners                    OMPL with checks of fgenv, python-fcl, coal
+  fgenv bench fleets                      compare planning methods for many robots
   fgenv --install-completion              tab completion for your shell
 
 [bold]Exit codes[/bold]
-  0    done
-  1    it ran, and what it checks does not hold
-  2    wrong use or input; stderr says what, and the remedy
-  3    a mistake of fgenv itself (FGENV_DEBUG=1 shows the traceback)
+  0    success
+  1    the command ran, and its check failed
+  2    invalid use or input; stderr has the error and the remedy
+  3    an error in fgenv itself (FGENV_DEBUG=1 shows the traceback)
   130  interrupted
 """
 
@@ -73,8 +73,8 @@ app = typer.Typer(
 )
 
 
-def _print_version(expected: bool) -> None:
-    if expected:
+def _print_version(requested: bool) -> None:
+    if requested:
         print(f"fgenv {__version__}")
         raise typer.Exit
 
@@ -110,12 +110,12 @@ app.add_typer(bench.app)
 
 
 def main() -> None:
-    """Entry point of the console script; ends the process with an exit code."""
+    """Run the console script; end the process with an exit code."""
     try:
-        # Not standalone: typer hands its errors on instead of printing them as boxes.
+        # Not standalone: typer raises its errors instead of printing them as boxes.
         code = app(standalone_mode=False)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
-    except Exception as error:  # the last place that can turn it into a readable line
+    except Exception as error:  # becomes one readable line
         sys.exit(report(error))
-    sys.exit(code)  # what typer.Exit carried, None if there was none
+    sys.exit(code)  # of typer.Exit, or None

@@ -2,69 +2,60 @@
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Bars, Json, Seed
+from fgenv.cli.bench_report import BenchReport
+from fgenv.cli.options import Json, RatioPlot, Seed
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.status import Status
+
+Quick = Annotated[
+    bool, typer.Option("--quick", help="Run short rounds with up to 32 worlds: half a minute.")
+]
 
 
 def env(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Short rounds, up to 32 worlds: half a minute.")
-    ] = False,
-    plot: Bars = None,
+    quick: Quick = False,
+    plot: RatioPlot = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Race the batched simulator against VMAS navigation and MPE2 simple_spread.
+    """Compare the batched simulator with VMAS navigation and MPE2 simple_spread.
 
-    Robot-steps in a CPU second, random actions, lidars of 12 rays, 4 and 10 robots in 1 to 1024
-    worlds; then 64 carts in a warehouse, and how the cost grows with the robots.
+    Robot-steps per CPU second, random actions, lidars of 12 rays, 4 and 10 robots in 1 to 1024
+    worlds; then 64 carts in a warehouse, and the cost by number of robots.
 
     Needs the bench extra: pip install "fgenv\\[bench]".
     """
-    from rich.console import Console
-
     from fgenv.bench.common.ratios import of_rates
     from fgenv.bench.env.peers import peers, versions
     from fgenv.bench.env.run import bench_env
-    from fgenv.bench.pairs.run import machine, summary
+    from fgenv.bench.pairs.run import summary
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import check_plot_path
 
+    report = BenchReport(as_json, plot=plot)
+    report.machine(versions())
+
+    def records(status: Status) -> Iterator[tuple[str, dict[str, Any]]]:
+        for done, (part, record) in enumerate(bench_env(peers(), seed=seed, quick=quick), 1):
+            yield part, record
+            status.update(f"{part}: {done} rows done")
+
+    rows = report.collect(records, show, "rates")
     if plot is not None:
-        check_plot_path(plot, "--plot")
-    console = Console(stderr=as_json, highlight=False)
-    about, numbers = machine(), versions()
-    console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
-    console.print(f"Python {about['python']}, NumPy {about['numpy']}")
-    console.print(", ".join(f"{name} {number}" for name, number in numbers.items()))
-    done: dict[str, list[dict[str, Any]]] = {}
-    with console.status("rates") as status:
-        for kind, record in bench_env(peers(), seed=seed, quick=quick):
-            if done and kind not in done:
-                show(console, list(done)[-1], done)
-            done.setdefault(kind, []).append(record)
-            status.update(f"{kind}: {len(done[kind])} done")
-    show(console, list(done)[-1], done)
-    if plot is not None:
-        bars.plot_ratios(of_rates(done["rates"]), "Robot-steps in a CPU second", plot)
-    if as_json:
-        document = {
-            "machine": about,
-            "versions": numbers,
-            "settings": {"seed": seed, "quick": quick},
-            **done,
-            "summary": summary(done["rates"]),
-        }
-        typer.echo(json.dumps(document, indent=1))
+        bars.plot_ratios(of_rates(rows["rates"]), "Robot-steps in a CPU second", plot)
+    settings = {"seed": seed, "quick": quick}
+    report.finish(settings=settings, **rows, summary=summary(rows["rates"]))
 
 
-def show(console: Any, kind: str, done: dict[str, list[dict[str, Any]]]) -> None:
-    """The table of one part and what its columns mean."""
+def show(console: Console, part: str, rows: list[dict[str, Any]]) -> None:
+    """Print the table of one part and its notes."""
     from fgenv.bench.env.report import NOTES, table_of
 
-    console.print(table_of(kind, done[kind]))
-    console.print(NOTES[kind], "", sep="\n")
+    console.print(table_of(part, rows))
+    console.print(NOTES[part], "", sep="\n")

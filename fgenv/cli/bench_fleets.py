@@ -2,58 +2,57 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Shares
+from fgenv.cli.bench_report import BenchReport
+from fgenv.cli.options import Json, SetCases, SharePlot
+
+WhichFleets = Annotated[
+    str, typer.Option("--fleets", help="all, or parts of fleets' names, with commas.")
+]
 
 
 def fleets(
-    which: Annotated[
-        str, typer.Option("--fleets", help="all, or parts of fleets' names, with commas.")
-    ] = "all",
-    cases: Annotated[int, typer.Option("--cases", min=1, help="Of each frozen set.")] = 100,
-    plot: Shares = None,
+    which: WhichFleets = "all",
+    cases: SetCases = 100,
+    plot: SharePlot = None,
     as_json: Json = False,
 ) -> None:
-    """Plan frozen sets of many robots by each method: how many are solved, how fast, how well.
+    """Plan frozen sets of many robots by each method: success rate, time, quality.
 
-    Every plan that counts is certified: the motion of all robots at once, as it is executed. All
-    of it takes some hours; --cases 10 minutes.
+    Every counted plan is certified: the motion of all robots at once, as it is executed. The
+    whole benchmark takes some hours; with --cases 10, minutes.
     """
-    from rich.console import Console
-
     from fgenv.bench.fleets.report import NOTE, table_of
     from fgenv.bench.fleets.run import bench_fleets
     from fgenv.bench.fleets.sets import chosen
-    from fgenv.bench.pairs.run import machine
-    from fgenv.confidence import rate
     from fgenv.view.figures import interval_plot
-    from fgenv.view.figures.canvas import check_plot_path
 
-    if plot is not None:
-        check_plot_path(plot, "--plot")
-    console = Console(stderr=as_json, highlight=False)
+    report = BenchReport(as_json, plot=plot)
     fleets = chosen(which)
-    about = machine()
-    console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
-    console.print(f"Python {about['python']}, NumPy {about['numpy']}")
-    done: list[dict[str, Any]] = []
+    report.machine()
+    rows: list[dict[str, Any]] = []
     try:
-        with console.status("planning") as status:
+        with report.console.status("planning") as status:
             for record in bench_fleets(fleets, cases):
-                done.append(record)
+                rows.append(record)
                 solved = f"{record['solved']} of {record['cases']}"
                 status.update(f"{record['fleet']}, {record['method']}: {solved}")
-    finally:  # interrupted, what there is by then is told
-        console.print(table_of(done))
-        console.print(NOTE)
-        if plot is not None and done:
-            found: dict[str, dict[str, Any]] = {}
-            for r in done:
-                found.setdefault(r["fleet"], {})[r["method"]] = rate(r["solved"], r["cases"])
-            interval_plot.plot_shares(found, "solved, of cases", plot)
-        if as_json:
-            typer.echo(json.dumps({"machine": about, "cases": cases, "rows": done}, indent=1))
+    finally:  # an interrupted benchmark reports its finished part
+        report.console.print(table_of(rows))
+        report.console.print(NOTE)
+        if plot is not None and rows:
+            interval_plot.plot_shares(solved_shares(rows), "solved, of cases", plot)
+        report.finish(cases=cases, rows=rows)
+
+
+def solved_shares(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Return the share of solved cases by fleet and method."""
+    from fgenv.confidence import rate
+
+    shares: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        shares.setdefault(row["fleet"], {})[row["method"]] = rate(row["solved"], row["cases"])
+    return shares

@@ -2,121 +2,101 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Bars, Json, Seed
+from fgenv.cli.bench_report import BenchReport, package_versions, split_names
+from fgenv.cli.options import Json, RatioPlot, Seed
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Problems = Annotated[
+    str,
+    typer.Option(
+        "--problems",
+        help="Scenarios with commas, NAME or NAME:ROBOTS.",
+        show_default="cubicles,twist,home,cubicles:2",
+    ),
+]
+Seeds = Annotated[int, typer.Option("--seeds", min=1, help="Number of searches per problem.")]
+TimeLimit = Annotated[float, typer.Option("--time-limit", help="CPU seconds per search.")]
+Resolution = Annotated[
+    float | None,
+    typer.Option(
+        "--resolution",
+        help="Distance between discrete checks in meters.",
+        show_default="1 % of the room",
+    ),
+]
+Peers = Annotated[str, typer.Option("--peers", help="Names of libraries, with commas.")]
+Traps = Annotated[
+    bool, typer.Option("--traps", help="Also run bug_trap and rings: up to 40 minutes.")
+]
+Mbm = Annotated[
+    int | None,
+    typer.Option(
+        "--mbm",
+        min=0,
+        max=100,
+        help="Number of MotionBenchMaker problems per family, of 7; needs pinocchio.",
+        show_default="3 where pinocchio is installed",
+    ),
+]
+Quick = Annotated[
+    bool, typer.Option("--quick", help="Run cubicles, 2 seeds, 5 s, no arms: a few seconds.")
+]
 
 
 def planners(
-    problems: Annotated[
-        str,
-        typer.Option(
-            "--problems",
-            help="Scenarios with commas, NAME or NAME:ROBOTS.",
-            show_default="cubicles,twist,home,cubicles:2",
-        ),
-    ] = "",
-    seeds: Annotated[int, typer.Option("--seeds", min=1, help="Searches of each problem.")] = 10,
-    time_limit: Annotated[
-        float, typer.Option("--time-limit", help="CPU seconds of a search.")
-    ] = 60.0,
-    resolution: Annotated[
-        float | None,
-        typer.Option(
-            "--resolution",
-            help="Meters a step of discrete checks.",
-            show_default="1 % of the room",
-        ),
-    ] = None,
-    peers: Annotated[
-        str, typer.Option("--peers", help="Libraries with commas.")
-    ] = "python-fcl,coal",
-    traps: Annotated[
-        bool, typer.Option("--traps", help="Also bug_trap and rings: up to 40 minutes.")
-    ] = False,
-    mbm: Annotated[
-        int | None,
-        typer.Option(
-            "--mbm",
-            min=0,
-            max=100,
-            help="MotionBenchMaker's problems of each of 7 families; needs pinocchio.",
-            show_default="3 where pinocchio is installed",
-        ),
-    ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="cubicles, 2 seeds, 5 s, no arms: a few seconds.")
-    ] = False,
-    plot: Bars = None,
+    problems: Problems = "",
+    seeds: Seeds = 10,
+    time_limit: TimeLimit = 60.0,
+    resolution: Resolution = None,
+    peers: Peers = "python-fcl,coal",
+    traps: Traps = False,
+    mbm: Mbm = None,
+    quick: Quick = False,
+    plot: RatioPlot = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Race OMPL on fgenv's plug-in against OMPL with Python checkers on python-fcl and coal.
+    """Compare OMPL on fgenv's plug-in with OMPL on Python checkers of python-fcl and coal.
 
-    RRTConnect, the same seeds, space and range: time to the first solution, the very same edges
-    asked again, what OMPL itself takes, and collisions hidden in solutions on a finer look.
+    RRTConnect, the same seeds, space and range: time to the first solution, checks of the very
+    same edges, OMPL's own time, and collisions in solutions that a finer check finds.
 
     Needs the bench extra: pip install "fgenv\\[bench]".
     """
-    from importlib.metadata import version
-
-    from rich.console import Console
-
     from fgenv.bench.common.ratios import of_problems
-    from fgenv.bench.pairs.run import machine
     from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners
     from fgenv.view.figures import bars
-    from fgenv.view.figures.canvas import check_plot_path
 
-    if plot is not None:
-        check_plot_path(plot, "--plot")
-    console = Console(stderr=as_json, highlight=False)
-    given: dict[str, Any] = {"resolution": resolution, "traps": traps, "mbm": mbm}
-    given |= {
-        "limit": time_limit,
-        "seeds": tuple(range(seed, seed + seeds)),
-        "peers": listed(peers),
-    }
+    report = BenchReport(as_json, plot=plot)
+    options: dict[str, Any] = {"resolution": resolution, "traps": traps, "mbm": mbm}
+    options |= {"limit": time_limit, "peers": split_names(peers)}
+    options["seeds"] = tuple(range(seed, seed + seeds))
     if quick:
-        given |= {"problems": ("cubicles",), "seeds": (seed, seed + 1), "limit": 5.0}
-        given["mbm"] = mbm or 0
+        options |= {"problems": ("cubicles",), "seeds": (seed, seed + 1), "limit": 5.0}
+        options["mbm"] = mbm or 0
     if problems:
-        given["problems"] = listed(problems)
-    config = PlannerBenchConfig(**given)
+        options["problems"] = split_names(problems)
+    config = PlannerBenchConfig(**options)
     config.check()
-    about = machine()
     packages = ("fgenv", "ompl", *config.peers, *(("pin",) if config.arms else ()))
-    versions = {name: version(name) for name in packages}
-    console.print(f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" ")
-    console.print(f"Python {about['python']}, NumPy {about['numpy']}")
-    console.print(", ".join(f"{name} {number}" for name, number in versions.items()))
-    done: dict[str, list[dict[str, Any]]] = {}
-    with console.status("building") as status:
-        for kind, record in bench_planners(config, status.update):
-            if done and kind not in done:
-                show(console, list(done)[-1], done)
-            done.setdefault(kind, []).append(record)
-    show(console, list(done)[-1], done)
+    report.machine(package_versions(packages))
+    rows = report.collect(lambda s: bench_planners(config, s.update), show, "building")
     if plot is not None:
-        bars.plot_ratios(of_problems(done["problems"]), "Time to the first solution", plot)
-    if as_json:
-        document = {"machine": about, "versions": versions, "settings": asdict(config), **done}
-        typer.echo(json.dumps(document, indent=1))
+        bars.plot_ratios(of_problems(rows["problems"]), "Time to the first solution", plot)
+    report.finish(settings=asdict(config), **rows)
 
 
-def listed(names: str) -> tuple[str, ...]:
-    """What stands between commas."""
-    return tuple(name.strip() for name in names.split(",") if name.strip())
-
-
-def show(console: Any, kind: str, done: dict[str, list[dict[str, Any]]]) -> None:
-    """The tables of one part and what their columns mean."""
+def show(console: Console, part: str, rows: list[dict[str, Any]]) -> None:
+    """Print the tables of one part and their notes."""
     from fgenv.bench.planners.report import tables_of
 
-    for table, note in tables_of(kind, done[kind]):
+    for table, note in tables_of(part, rows):
         console.print(table)
         console.print(note, "", sep="\n")

@@ -1,4 +1,4 @@
-"""An episode of a scenario by a policy, with progress, a table, a record and a movie."""
+"""An episode of a scenario with a policy: progress, table, record and movie."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fgenv.cli.movie import MOST_FPS, draw, progress
-from fgenv.cli.plan import fail
-from fgenv.cli.scenarios import is_file
+from fgenv.cli.errors import fail_check
+from fgenv.cli.files import check_target, echo_written
+from fgenv.cli.progress import MAX_FPS, progress, write_episode_movie
+from fgenv.cli.scenario_options import check_name, is_file, is_frozen_set
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,113 +24,107 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EpisodeOptions:
-    """What the command line asks for."""
+    """Options of the command line."""
 
     scenario: str
     policy: str
     overrides: dict[str, Any]
-    seed: int
-    steps: int | None
-    record: Path | None
-    movie: Path | None
-    fps: float | None
+    seed: int = 0
+    steps: int | None = None
+    record: Path | None = None
+    movie: Path | None = None
+    fps: float | None = None
 
 
 def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool) -> None:
-    """Run it, and say how it went.
+    """Run an episode and report it.
 
     Raises:
-        KeyboardInterrupt: it was interrupted; what there was by then is told and recorded.
+        KeyboardInterrupt: the episode was interrupted; its finished part is reported and recorded.
     """
     from rich.console import Console
 
-    from fgenv.cli.episode_report import facts, tell
+    from fgenv.cli.episode_report import as_data, print_report
     from fgenv.envs import policy_of
     from fgenv.metrics import Results
 
     console = Console(stderr=as_json, highlight=False)
-    targets(options)
+    check_targets(options)
     policy = policy_of(options.policy, options.seed)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         simulator = simulator_of(context, options, policy)
-    strictly(policy)
+    require_plan(policy)
     began = time.perf_counter()
-    record, interrupted = episode(simulator, policy, options, console)
+    record, interrupted = run_episode(simulator, policy, options, console)
     seconds = time.perf_counter() - began
-    written = []
+    results, tracking = Results.of(record), tracking_of(policy)
+    notes = list(dict.fromkeys(str(warning.message) for warning in caught))
     if options.record is not None:
         record.save(options.record)
-        written.append(str(options.record))
-    results = Results.of(record)
-    followed = following(policy)
-    notes = list(dict.fromkeys(str(warning.message) for warning in caught))
     if not as_json:
-        tell(console, record, results, seconds, notes)
-        if followed:
-            error, waited = followed["tracking_error"], followed["waited"]
-            again = f", planned anew {followed['replans']} times" if "replans" in followed else ""
-            console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s{again}")
+        print_report(console, record, results, seconds, notes)
+        print_tracking(console, tracking)
     if options.movie is not None and not interrupted:
-        draw(record, options.movie, options.fps, console)
-        written.append(str(options.movie))
+        write_episode_movie(record, options.movie, options.fps, console)
+    files = (options.record, None if interrupted else options.movie)
+    written = [str(path) for path in files if path is not None]
     if as_json:
-        said = {**facts(record, results, seconds, notes, written), **followed}
-        typer.echo(json.dumps(said, indent=1))
+        data = {**as_data(record, results, seconds, notes, written), **tracking}
+        typer.echo(json.dumps(data, indent=1))
     else:
-        for path in written:
-            typer.echo(f"written: {path}, {Path(path).stat().st_size:,} bytes")
+        echo_written(written)
     if interrupted:
         raise KeyboardInterrupt
 
 
-def strictly(policy: Any) -> None:
-    """A planning policy that finds no plan is to say so, rather than to rest."""
+def require_plan(policy: Any) -> None:
+    """Let a planning policy raise an error, instead of resting, if there is no plan."""
     if hasattr(policy, "strict"):
         policy.strict = True
 
 
-def following(policy: Any) -> dict[str, Any]:
-    """How a planning policy's plan was followed: meters, seconds; nothing of others."""
+def tracking_of(policy: Any) -> dict[str, Any]:
+    """Return tracking error (m), waiting time (s) and replans of a planning policy."""
     names = ("tracking_error", "waited", "replans")
     return {name: getattr(policy, name) for name in names if hasattr(policy, name)}
 
 
-def targets(options: EpisodeOptions) -> None:
-    """What would only be told after the run is told now: files that cannot be written."""
+def print_tracking(console: Console, tracking: dict[str, Any]) -> None:
+    """Print how the plan of a planning policy was followed."""
+    if tracking:
+        error, waited = tracking["tracking_error"], tracking["waited"]
+        replans = f", planned anew {tracking['replans']} times" if "replans" in tracking else ""
+        console.print(f"tracking error {error:.2g} m, waited {waited:.1f} s{replans}")
+
+
+def check_targets(options: EpisodeOptions) -> None:
+    """Raise the errors of files that cannot be written, before the run."""
     from fgenv.view.figures.movie import frame_seconds
 
-    if options.record is not None and options.record.suffix != ".npz":
-        raise ValueError(f"--record: got {options.record}, expected a name that ends in .npz")
+    check_target(options.record, "--record", ".npz")
     if options.movie is not None:
-        frame_seconds(options.movie, options.fps or MOST_FPS)
+        frame_seconds(options.movie, options.fps or MAX_FPS)
     elif options.fps is not None:
         raise ValueError("--fps: is of a movie, expected with --movie")
-    for path in (options.record, options.movie):
-        if path is not None and not path.parent.is_dir():
-            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+    check_target(options.movie, "--movie")
 
 
 def is_planning_error(error: RuntimeError) -> bool:
-    """Whether there is no plan."""
+    """Return whether an error means that there is no plan."""
     from fgenv.planners import PlanningError
 
     return isinstance(error, PlanningError)
 
 
 def simulator_of(context: typer.Context, options: EpisodeOptions, policy: Any) -> Simulator:
-    """The simulator, with one world; robots observe and act as the policy wants it."""
+    """Return a simulator with one world, with the observations and actions of the policy."""
     from fgenv.envs import Simulator
-    from fgenv.scenarios.library import ENTRIES
 
     name, overrides = options.scenario, dict(options.overrides)
-    of_file = is_file(name) or Path(name).suffix == ".npz"
-    if not of_file and name not in ENTRIES:
-        from fgenv.scenarios.errors import near
-
-        told = f"{name!r} is no built-in scenario; {near(name, ENTRIES)} (a file ends in .yaml)"
-        raise typer.BadParameter(told, ctx=context, param_hint="SCENARIO")
-    if not of_file or (options.seed != 0 and Path(name).suffix != ".npz"):
+    check_name(context, name, frozen_sets=True)
+    of_file = is_file(name) or is_frozen_set(name)
+    if not of_file or (options.seed != 0 and not is_frozen_set(name)):
         overrides.setdefault("seed", options.seed)
     for key in ("observation", "actions"):
         if getattr(policy, key, None) is not None:
@@ -137,23 +132,23 @@ def simulator_of(context: typer.Context, options: EpisodeOptions, policy: Any) -
     return Simulator(name, clearance=True, autoreset=False, **overrides)
 
 
-def episode(
+def run_episode(
     simulator: Simulator, policy: Any, options: EpisodeOptions, console: Console
 ) -> tuple[Record, bool]:
-    """The record, and whether it was interrupted."""
-    from fgenv.agents import run_episode
+    """Return the record, and whether the episode was interrupted."""
+    from fgenv import agents
     from fgenv.envs import Recorder
 
     recorder = Recorder(options.policy)
-    most = min(options.steps or simulator.horizon, simulator.horizon)
+    steps = min(options.steps or simulator.horizon, simulator.horizon)
     with progress(console) as bar:
-        task = bar.add_task(f"{simulator.scenario.name}, {options.policy}", total=most)
+        task = bar.add_task(f"{simulator.scenario.name}, {options.policy}", total=steps)
         try:
-            record = run_episode(
+            record = agents.run_episode(
                 simulator,
                 policy,
                 seed=options.seed,
-                steps=most,
+                steps=steps,
                 recorder=recorder,
                 progress=lambda done: bar.update(task, completed=done),
             )
@@ -161,7 +156,7 @@ def episode(
         except RuntimeError as error:
             if not is_planning_error(error):
                 raise
-            fail(error)
+            fail_check(error)
         except KeyboardInterrupt:
             if not recorder.begun:
                 raise

@@ -1,4 +1,4 @@
-"""How an episode went, for a reader and for a machine."""
+"""The report of an episode: a table for readers, data for JSON."""
 
 from __future__ import annotations
 
@@ -23,12 +23,27 @@ ENDS = {
 }
 
 
-def tell(
+def print_report(
     console: Console, record: Record, results: Results, seconds: float, notes: Sequence[str]
 ) -> None:
-    """A table with a row for each robot, and what is said of all."""
-    scenario = record.scenario
-    title = escape(f"{scenario.name}, seed {record.about['seed']}, by {record.policy}")
+    """Print a table with a row per robot, and a summary."""
+    console.print(table_of(record, results))
+    for note in notes:
+        console.print(f"note: {note}", markup=False)
+    ended = ENDS[record.about["ended"]]
+    console.print(f"{ended} after {results.seconds:.1f} s, {results.steps} steps", end="")
+    console.print(f" ({seconds:.2f} s to simulate)")
+    successes, n = sum(robot.success for robot in results.robots), len(results.robots)
+    console.print(
+        f"success {successes} of {n}, collisions {results.collisions},"
+        f" makespan {number(results.makespan, 1, ' s')},"
+        f" sum of costs {number(results.sum_of_costs, 1, ' s')}"
+    )
+
+
+def table_of(record: Record, results: Results) -> Table:
+    """Return the table of robots."""
+    title = escape(f"{record.scenario.name}, seed {record.about['seed']}, by {record.policy}")
     table = Table(title=title, box=None, title_justify="left")
     table.add_column("robot")
     for name in COLUMNS:
@@ -42,31 +57,20 @@ def tell(
             f"{robot.path_length:.2f} {robot.unit}",
             number(robot.least_clearance, 3),
         )
-    console.print(table)
-    for note in notes:
-        console.print(f"note: {note}", markup=False)
-    ended = ENDS[record.about["ended"]]
-    console.print(f"{ended} after {results.seconds:.1f} s, {results.steps} steps", end="")
-    console.print(f" ({seconds:.2f} s to simulate)")
-    done, n = sum(robot.success for robot in results.robots), len(results.robots)
-    console.print(
-        f"success {done} of {n}, collisions {results.collisions},"
-        f" makespan {number(results.makespan, 1, ' s')},"
-        f" sum of costs {number(results.sum_of_costs, 1, ' s')}"
-    )
+    return table
 
 
 def number(x: float | None, digits: int, unit: str = "") -> str:
-    """A number, or a dash where there is none."""
+    """Format a number; a dash if there is none."""
     return "-" if x is None or not math.isfinite(x) else f"{x:.{digits}f}{unit}"
 
 
-def facts(
+def as_data(
     record: Record, results: Results, seconds: float, notes: Sequence[str], written: Sequence[str]
 ) -> dict[str, Any]:
-    """The same for JSON: meters, radians, seconds of simulated time.
+    """Return the report for JSON, in meters, radians and seconds of simulated time.
 
-    Equal for equal arguments, but for `wall_seconds`.
+    All values but `wall_seconds` are equal for equal arguments.
     """
     return {
         "scenario": record.scenario.name,

@@ -1,15 +1,17 @@
-"""What a user sees of an error: one line on stderr and an exit code, never a traceback."""
+"""Errors of the command line: one line on stderr and an exit code, without a traceback."""
 
 import os
 import sys
-from typing import Any
+from typing import Any, NoReturn
 
-FAILED_CHECK = 1  # the command ran and what it checks does not hold
-BAD_INPUT = 2  # wrong use: an argument, a file, a missing extra
-OUR_MISTAKE = 3  # an error nobody foresaw
-INTERRUPTED = 130  # Ctrl-C, as shells count it
+import typer
 
-# Modules that an extra brings, by the name that ImportError gives.
+FAILED_CHECK = 1  # the command ran, and its check failed
+BAD_INPUT = 2  # invalid argument or file, missing extra
+OUR_MISTAKE = 3  # an unexpected error
+INTERRUPTED = 130  # Ctrl-C, by the convention of shells
+
+# Extra that installs a module, by the module name of an ImportError.
 EXTRA_OF = {
     "coal": "bench",
     "embreex": "bench",
@@ -35,9 +37,9 @@ EXTRA_OF = {
 
 
 def report(error: Exception) -> int:
-    """Print `error` as one line on stderr and return the exit code that it stands for.
+    """Print an error as one line on stderr and return its exit code.
 
-    With FGENV_DEBUG=1 in the environment the error is raised again, traceback and all.
+    With FGENV_DEBUG=1 in the environment the error is raised again, with its traceback.
     """
     if os.environ.get("FGENV_DEBUG") == "1":
         raise error
@@ -45,20 +47,32 @@ def report(error: Exception) -> int:
     return exit_code(error)
 
 
+def fail_check(error: Exception) -> NoReturn:
+    """Print an error as one line on stderr and end with FAILED_CHECK.
+
+    Raises:
+        typer.Exit: always; with FGENV_DEBUG=1 the error itself.
+    """
+    if os.environ.get("FGENV_DEBUG") == "1":
+        raise error
+    print(f"fgenv: {_one_line(str(error))}", file=sys.stderr)
+    raise typer.Exit(FAILED_CHECK)
+
+
 def exit_code(error: Exception) -> int:
-    """BAD_INPUT for what a user can put right, else OUR_MISTAKE."""
+    """Return BAD_INPUT for errors that a user can correct, else OUR_MISTAKE."""
     if _is_wrong_use(error):
         return BAD_INPUT
     if isinstance(error, ImportError):
-        return BAD_INPUT if _extra(error) or _tells_remedy(error) else OUR_MISTAKE
+        return BAD_INPUT if _extra(error) or _has_remedy(error) else OUR_MISTAKE
     return BAD_INPUT if isinstance(error, ValueError | TypeError | OSError) else OUR_MISTAKE
 
 
 def describe(error: Exception) -> str:
-    """The message for `error`, with the remedy where there is one."""
+    """Return the message of an error, with the remedy if there is one."""
     if _is_wrong_use(error):
         return _wrong_use(error)
-    if isinstance(error, ImportError) and _tells_remedy(error):
+    if isinstance(error, ImportError) and _has_remedy(error):
         return str(error)
     if isinstance(error, ImportError) and (extra := _extra(error)):
         return f"{_module(error)} is not installed; remedy: pip install 'fgenv[{extra}]'"
@@ -70,7 +84,7 @@ def describe(error: Exception) -> str:
 
 
 def _is_wrong_use(error: Exception) -> bool:
-    """Whether the command line parser found it: an option, an argument, a command."""
+    """Return whether the command line parser raised an error."""
     return hasattr(error, "format_message")
 
 
@@ -85,11 +99,11 @@ def _extra(error: ImportError) -> str | None:
 
 
 def _module(error: ImportError) -> str:
-    """What could not be imported; trimesh raises such errors later, without their name."""
+    """Return the missing module; trimesh re-raises such errors without the name."""
     return error.name or str(error).removeprefix("No module named ").strip("'")
 
 
-def _tells_remedy(error: ImportError) -> bool:
+def _has_remedy(error: ImportError) -> bool:
     return "pip install" in str(error)
 
 

@@ -7,48 +7,47 @@ from typing import Annotated
 
 import typer
 
+from fgenv.cli.completion import plot_kinds
+from fgenv.cli.files import echo_written
+from fgenv.cli.options import PLOT_SUFFIXES, file_option
 
-def kinds(incomplete: str) -> list[str]:
-    """Kinds of plots, for tab completion."""
-    return [k for k in ("clearance", "masks", "space-time", "learning") if k.startswith(incomplete)]
+Source = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE",
+        help="Record of fgenv run --record, plan of fgenv plan --out (.npz), or evaluations.csv"
+        " of fgenv train.",
+    ),
+]
+Kind = Annotated[
+    str,
+    typer.Option(
+        "--kind",
+        help="Kind of plot: clearance, masks, space-time or learning.",
+        autocompletion=plot_kinds,
+    ),
+]
+Out = Annotated[Path, file_option("--out", f"Write the plot to this file {PLOT_SUFFIXES}.")]
 
 
-def plot(
-    record: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE",
-            help="Of fgenv run --record, a plan of fgenv plan --out (.npz), or the"
-            " evaluations.csv of fgenv train.",
-        ),
-    ],
-    kind: Annotated[
-        str,
-        typer.Option(
-            "--kind", help="clearance, masks, space-time or learning.", autocompletion=kinds
-        ),
-    ],
-    out: Annotated[
-        Path, typer.Option("--out", dir_okay=False, help="The plot (.png, .svg, .pdf).")
-    ],
-) -> None:
-    """Plot a recorded episode, or a plan, over time; or how a training went.
+def plot(source: Source, kind: Kind, out: Out) -> None:
+    """Plot a recorded episode or a plan over time, or the progress of a training.
 
-    clearance: each robot's distance to whatever is nearest (measured now where
-    the record has none), and when contacts begin. masks: how many bodies each
-    robot's mask leaves to be tested, by its motion of the next second.
-    space-time: where each robot is along the longest way of all; in a corridor,
-    who waits and who passes. learning: shares of success and collisions over
-    the steps of a training.
+    clearance: each robot's distance to the nearest body (computed if the
+    record has none), and the beginnings of contacts. masks: number of bodies
+    in each robot's mask for the motion of its next second. space-time: the
+    position of each robot along the axis of the longest travel, which shows
+    waiting and passing robots in a corridor. learning: shares of success and
+    collisions over the steps of a training.
     """
     from fgenv.view.episodes import load_episode
+    from fgenv.view.figures.canvas import check_plot_path
     from fgenv.view.figures.learning_curves import plot_learning_curves
     from fgenv.view.figures.record_plots import plot_record
 
-    if not out.parent.is_dir():
-        raise ValueError(f"--out: {out}: there is no folder {out.parent}; make it first")
+    check_plot_path(out, "--out")
     if kind == "learning":
-        plot_learning_curves(record, out)
+        plot_learning_curves(source, out)
     else:
-        plot_record(load_episode(record), kind, out)
-    typer.echo(f"written: {out}, {out.stat().st_size:,} bytes")
+        plot_record(load_episode(source), kind, out)
+    echo_written([out])

@@ -8,152 +8,165 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.replay import Recorded
-from fgenv.cli.scenarios import target
+from fgenv.cli.files import check_target, echo_written
+from fgenv.cli.options import FPS_HELP, Recorded, file_option
 
 if TYPE_CHECKING:
     from fgenv.envs import Record
 
-SMALLEST, LARGEST = 16, 4096  # pixels
+MIN_PIXELS, MAX_PIXELS = 16, 4096
+
+Gif = Annotated[Path | None, file_option("--gif", "Write a GIF.")]
+Mp4 = Annotated[Path | None, file_option("--mp4", "Write an MP4 (H.264).")]
+Png = Annotated[Path | None, file_option("--png", "Write one picture.")]
+At = Annotated[
+    float | None,
+    typer.Option("--at", min=0.0, help="Time of --png in seconds.", show_default="the end"),
+]
+CameraKind = Annotated[
+    str, typer.Option("--camera", help="Camera: overview, top, follow or orbit.")
+]
+RobotName = Annotated[
+    str | None,
+    typer.Option(
+        "--robot",
+        help="Robot that the camera follows, and whose mask alone is drawn.",
+        show_default="the first; all masks",
+    ),
+]
+Azimuth = Annotated[
+    float | None,
+    typer.Option("--azimuth", help="Azimuth of the camera overview in degrees; -90: south."),
+]
+Elevation = Annotated[
+    float | None,
+    typer.Option("--elevation", help="Elevation of the camera overview in degrees."),
+]
+Notes = Annotated[
+    str,
+    typer.Option(
+        "--notes", help="Annotations, with commas: time, trails, collisions, masks; or none."
+    ),
+]
+PixelSize = Annotated[str, typer.Option("--size", help="Size in pixels, WIDTHxHEIGHT.")]
+Fps = Annotated[
+    float | None,
+    typer.Option("--fps", min=0.1, max=100.0, help=FPS_HELP, show_default="25 at most"),
+]
+Speed = Annotated[
+    float, typer.Option("--speed", min=0.1, max=100.0, help="Speed of a movie, times real time.")
+]
 
 
 def render(
     record: Recorded,
-    gif: Annotated[Path | None, target("--gif", "Write a GIF.")] = None,
-    mp4: Annotated[Path | None, target("--mp4", "Write an MP4 (H.264).")] = None,
-    png: Annotated[Path | None, target("--png", "Write one picture.")] = None,
-    at: Annotated[
-        float | None,
-        typer.Option("--at", min=0.0, help="Seconds of --png.", show_default="the end"),
-    ] = None,
-    camera: Annotated[
-        str, typer.Option("--camera", help="overview, top, follow or orbit.")
-    ] = "overview",
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            "--robot",
-            help="Whom follow follows; whose masks alone are drawn.",
-            show_default="the first; all masks",
-        ),
-    ] = None,
-    azimuth: Annotated[
-        float | None,
-        typer.Option("--azimuth", help="Degrees: where overview looks from; -90 is the south."),
-    ] = None,
-    elevation: Annotated[
-        float | None,
-        typer.Option("--elevation", help="Degrees: how high above the floor overview looks from."),
-    ] = None,
-    notes: Annotated[
-        str,
-        typer.Option(
-            "--notes",
-            help="What is drawn over it: time, trails, collisions, masks; none; with commas.",
-        ),
-    ] = "time,collisions",
-    size: Annotated[str, typer.Option("--size", help="Pixels, WIDTHxHEIGHT.")] = "480x360",
-    fps: Annotated[
-        float | None,
-        typer.Option(
-            "--fps",
-            min=0.1,
-            max=100.0,
-            help="Frames of a movie in a second, no more than there are steps.",
-            show_default="25 at most",
-        ),
-    ] = None,
-    speed: Annotated[
-        float, typer.Option("--speed", min=0.1, max=100.0, help="Of a movie, times real time.")
-    ] = 1.0,
+    gif: Gif = None,
+    mp4: Mp4 = None,
+    png: Png = None,
+    at: At = None,
+    camera: CameraKind = "overview",
+    robot: RobotName = None,
+    azimuth: Azimuth = None,
+    elevation: Elevation = None,
+    notes: Notes = "time,collisions",
+    size: PixelSize = "480x360",
+    fps: Fps = None,
+    speed: Speed = 1.0,
 ) -> None:
     """Draw a recorded episode, or a plan, as a movie or as a picture.
 
-    No display and no OpenGL are needed. top looks straight down, follow keeps
-    to a robot, orbit goes around everything. Annotations: trails show where robots
-    have been for four seconds; collisions rings contacts and says who meets
-    whom; masks colors what bears the bit of a robot, by its motion of the next
-    second, with a line from that robot.
+    No display and no OpenGL are needed. top looks straight down, follow stays
+    with a robot, orbit circles around the scene. Notes: trails show the paths
+    of the last four seconds; collisions marks contacts and names both bodies;
+    masks highlights the bodies in each robot's mask for the motion of its next
+    second, and links them to the robot by a line.
     """
     from rich.console import Console
 
-    from fgenv.cli.movie import MOST_FPS, draw
+    from fgenv.cli.progress import MAX_FPS, write_episode_movie
     from fgenv.view.episodes import load_episode
     from fgenv.view.figures.annotations import check_annotations
-    from fgenv.view.figures.camera_path import CAMERAS
-    from fgenv.view.figures.episode_frames import frames_of
     from fgenv.view.figures.movie import frame_seconds
 
-    expected = targets(gif, mp4, png)
-    if camera not in CAMERAS:
-        raise ValueError(f"--camera: got {camera!r}, expected {', '.join(CAMERAS)}")
+    check_files(gif, mp4, png)
+    check_camera(camera, azimuth, elevation)
     if at is not None and png is None:
         raise ValueError("--at: is of a picture, expected with --png")
-    drawn = [] if notes == "none" else [note.strip() for note in notes.split(",")]
-    check_annotations(drawn)
+    names = [] if notes == "none" else [note.strip() for note in notes.split(",")]
+    check_annotations(names)
     width, height = pixels(size)
-    for path in (p for p in (gif, mp4) if p is not None):
-        frame_seconds(path, fps or MOST_FPS)
+    movies = [path for path in (gif, mp4) if path is not None]
+    for path in movies:
+        frame_seconds(path, fps or MAX_FPS)
     episode = load_episode(record)
     look: dict[str, Any] = {
         "camera": camera,
-        "robot": place(episode, robot),
-        "notes": drawn,
-        "azimuth": radians(azimuth, "--azimuth", 360.0),
-        "elevation": radians(elevation, "--elevation", 89.0),
+        "robot": robot_index(episode, robot),
+        "notes": names,
+        "azimuth": None if azimuth is None else math.radians(azimuth),
+        "elevation": None if elevation is None else math.radians(elevation),
     }
+    if png is not None:
+        write_picture(episode, png, at, (width, height), look)
+    for path in movies:
+        console = Console(highlight=False)
+        write_episode_movie(episode, path, fps, console, (width, height), look, speed)
+    echo_written(path for path in (gif, mp4, png) if path is not None)
+
+
+def write_picture(
+    episode: Record, path: Path, at: float | None, size: tuple[int, int], look: dict[str, Any]
+) -> None:
+    """Write the frame of a record at a time, or at its end."""
+    from PIL import Image
+
+    from fgenv.view.figures.episode_frames import frames_of
+
+    step = len(episode) if at is None else min(len(episode), round(at / episode.dt))
+    (frame,) = frames_of(episode, [step], *size, **look)
+    Image.fromarray(frame).save(path, optimize=True)
+
+
+def check_files(gif: Path | None, mp4: Path | None, png: Path | None) -> None:
+    """Raise ValueError if there is no file to write, or one that cannot be written."""
+    if gif is None and mp4 is None and png is None:
+        raise ValueError("nothing to write; expected --gif, --mp4 or --png")
+    check_target(gif, "--gif", ".gif")
+    check_target(mp4, "--mp4", ".mp4")
+    check_target(png, "--png", ".png")
+
+
+def check_camera(camera: str, azimuth: float | None, elevation: float | None) -> None:
+    """Raise ValueError for an unknown camera, or a direction that it does not have."""
+    from fgenv.view.figures.camera_path import CAMERAS
+
+    if camera not in CAMERAS:
+        raise ValueError(f"--camera: got {camera!r}, expected {', '.join(CAMERAS)}")
+    check_degrees(azimuth, "--azimuth", -360.0, 360.0)
+    check_degrees(elevation, "--elevation", 5.0, 89.0)
     if camera != "overview" and (azimuth, elevation) != (None, None):
         raise ValueError(f"--azimuth, --elevation: are of --camera overview, got {camera}")
-    if png is not None:
-        from PIL import Image
-
-        step = len(episode) if at is None else min(len(episode), round(at / episode.dt))
-        (frame,) = frames_of(episode, [step], width, height, **look)
-        Image.fromarray(frame).save(png, optimize=True)
-    for path in (p for p in (gif, mp4) if p is not None):
-        draw(episode, path, fps, Console(highlight=False), (width, height), look, speed)
-    for path in expected:
-        typer.echo(f"written: {path}, {path.stat().st_size:,} bytes")
 
 
-def targets(*files: Path | None) -> list[Path]:
-    """The files to write; ValueError where there are none, or their names are wrong."""
-    found = []
-    for path, suffix in zip(files, (".gif", ".mp4", ".png"), strict=True):
-        if path is None:
-            continue
-        if path.suffix != suffix:
-            raise ValueError(f"--{suffix[1:]}: got {path}, expected a name that ends in {suffix}")
-        if not path.parent.is_dir():
-            raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
-        found.append(path)
-    if not found:
-        raise ValueError("nothing to write; expected --gif, --mp4 or --png")
-    return found
+def check_degrees(degrees: float | None, option: str, least: float, most: float) -> None:
+    """Raise ValueError if an angle is out of range."""
+    if degrees is not None and not least <= degrees <= most:
+        raise ValueError(f"{option}: got {degrees:g}, expected {least:g} to {most:g} degrees")
 
 
 def pixels(size: str) -> tuple[int, int]:
-    """Width and height."""
+    """Return width and height of a size."""
     width, _, height = size.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise ValueError(f"--size: got {size!r}, expected WIDTHxHEIGHT, such as 640x480")
-    if not all(SMALLEST <= int(n) <= LARGEST for n in (width, height)):
-        raise ValueError(f"--size: got {size!r}, expected {SMALLEST} to {LARGEST} pixels each")
+    if not all(MIN_PIXELS <= int(n) <= MAX_PIXELS for n in (width, height)):
+        expected = f"{MIN_PIXELS} to {MAX_PIXELS} pixels each"
+        raise ValueError(f"--size: got {size!r}, expected {expected}")
     return int(width), int(height)
 
 
-def radians(degrees: float | None, option: str, most: float) -> float | None:
-    """An angle in radians; ValueError beyond `most` degrees, or where an elevation is not up."""
-    if degrees is None:
-        return None
-    least = 5.0 if option == "--elevation" else -most
-    if not least <= degrees <= most:
-        raise ValueError(f"{option}: got {degrees:g}, expected {least:g} to {most:g} degrees")
-    return math.radians(degrees)
-
-
-def place(record: Record, name: str | None) -> int | None:
-    """Which robot has that name, if one is given."""
+def robot_index(record: Record, name: str | None) -> int | None:
+    """Return the index of the robot with a name, if one is given."""
     if name is None:
         return None
     if name not in record.names:

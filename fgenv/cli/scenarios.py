@@ -9,35 +9,34 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Seed
+from fgenv.cli.files import check_target, echo_written
+from fgenv.cli.options import Json, Robots, Seed, Settings, Size, file_option
+from fgenv.cli.scenario_options import is_file, overrides_from
 
 if TYPE_CHECKING:
     from fgenv.scenarios import Scenario
 
-File = Path | None
-
-
-def target(name: str, text: str, panel: str | None = None) -> Any:
-    """An option that names a file to write."""
-    return typer.Option(name, dir_okay=False, help=text, rich_help_panel=panel)
+Name = Annotated[
+    str | None, typer.Argument(help="Built-in scenario, or scenario file; all if left out.")
+]
+Save = Annotated[Path | None, file_option("--save", "Write the scenario as YAML.")]
+PictureFile = Annotated[Path | None, file_option("--picture", "Draw the scenario to this PNG.")]
+Freeze = Annotated[Path | None, file_option("--freeze", "Write an evaluation set (.npz).")]
+Cases = Annotated[int, typer.Option("--cases", min=1, help="Number of cases for --freeze.")]
+Schema = Annotated[bool, typer.Option("--schema", help="Print the JSON Schema.")]
 
 
 def scenarios(
-    name: Annotated[
-        str | None, typer.Argument(help="A built-in scenario, or a scenario file; all if left out.")
-    ] = None,
-    n: Annotated[int | None, typer.Option("--n", min=1, help="Robots.")] = None,
+    name: Name = None,
+    n: Robots = None,
     seed: Seed = 0,
-    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
-    ] = None,
-    save: Annotated[File, target("--save", "Write the scenario as YAML.")] = None,
-    picture: Annotated[File, target("--picture", "Draw it to this PNG.")] = None,
-    freeze: Annotated[File, target("--freeze", "Write an evaluation set (.npz).")] = None,
-    cases: Annotated[int, typer.Option("--cases", min=1, help="Of --freeze.")] = 500,
-    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema.")] = False,
+    size: Size = None,
+    settings: Settings = None,
+    save: Save = None,
+    picture: PictureFile = None,
+    freeze: Freeze = None,
+    cases: Cases = 500,
+    schema: Schema = False,
     as_json: Json = False,
 ) -> None:
     """List the built-in scenarios, or show, save, draw or freeze one of them.
@@ -51,12 +50,13 @@ def scenarios(
         typer.echo(json.dumps(json_schema(), indent=1))
         return
     if name is None:
-        _no_target(save, picture, freeze)
-        _list(as_json)
+        if save or picture or freeze:
+            raise ValueError("expected the NAME of a scenario to write; see fgenv scenarios")
+        print_list(as_json)
         return
-    overrides = given(n, size, settings or [])
+    overrides = overrides_from(n, size, settings)
     if freeze is not None:
-        _freeze(name, freeze, cases, seed, overrides, as_json)
+        freeze_scenario(name, freeze, cases, seed, overrides, as_json)
         return
     context = {} if seed == 0 and is_file(name) else {"seed": seed}
     scenario = Scenario.load(name, **context, **overrides)
@@ -66,40 +66,12 @@ def scenarios(
         from fgenv.view.figures.scenario_picture import draw_scenario
 
         draw_scenario(scenario).save(picture, optimize=True)
-    _show(name, scenario, [str(path) for path in (save, picture) if path is not None], as_json)
+    written = [str(path) for path in (save, picture) if path is not None]
+    print_scenario(name, scenario, written, as_json)
 
 
-def is_file(name: str) -> bool:
-    """Whether a scenario's name is that of a file."""
-    from fgenv.scenarios.load import is_file_name
-
-    return is_file_name(name)
-
-
-def given(n: int | None, size: float | None, settings: list[str]) -> dict[str, Any]:
-    """Overrides of the command line; values of --set are read as YAML."""
-    import yaml
-
-    found = {key: value for key, value in (("n", n), ("size", size)) if value is not None}
-    for setting in settings:
-        key, equals, text = setting.partition("=")
-        if not equals:
-            raise ValueError(f"--set: got {setting!r}, expected KEY=VALUE, such as jitter=0.1")
-        try:
-            found[key.strip()] = yaml.safe_load(text)
-        except yaml.YAMLError:
-            raise ValueError(
-                f"--set: got {setting!r}, expected a number or a word as VALUE"
-            ) from None
-    return found
-
-
-def _no_target(*files: Path | None) -> None:
-    if any(file is not None for file in files):
-        raise ValueError("expected the NAME of a scenario to write; see fgenv scenarios")
-
-
-def _list(as_json: bool) -> None:
+def print_list(as_json: bool) -> None:
+    """Print the built-in scenarios."""
     from rich.console import Console
     from rich.table import Table
 
@@ -116,45 +88,55 @@ def _list(as_json: bool) -> None:
     Console(highlight=False, markup=False).print(table)
 
 
-def _show(name: str, scenario: Scenario, written: list[str], as_json: bool) -> None:
+def print_scenario(name: str, scenario: Scenario, written: list[str], as_json: bool) -> None:
+    """Print a scenario, its options and the written files."""
     from fgenv.scenarios.library import ENTRIES
 
-    own = {} if name not in ENTRIES else ENTRIES[name].parameters
+    options = {} if name not in ENTRIES else ENTRIES[name].parameters
     if as_json:
-        robots, bodies = len(scenario.robots), len(scenario.bodies)
-        said = {"name": scenario.name, "about": scenario.description, "robots": robots}
-        more = {"bodies": bodies, "dimension": scenario.dimension, "seed": scenario.seed}
-        typer.echo(json.dumps({**said, **more, "takes": own, "written": written}, indent=1))
+        data = {
+            "name": scenario.name,
+            "about": scenario.description,
+            "robots": len(scenario.robots),
+            "bodies": len(scenario.bodies),
+            "dimension": scenario.dimension,
+            "seed": scenario.seed,
+            "takes": options,
+            "written": written,
+        }
+        typer.echo(json.dumps(data, indent=1))
         return
     typer.echo(f"{scenario.name}: {scenario.description}")
-    if name in ENTRIES and own:
+    if name in ENTRIES and options:
         typer.echo(f"\n{inspect.getdoc(ENTRIES[name].make)}")
-        typer.echo("\nDefaults: " + ", ".join(f"{key}={value}" for key, value in own.items()))
+        typer.echo("\nDefaults: " + ", ".join(f"{key}={value}" for key, value in options.items()))
     for path in written:
         typer.echo(f"written: {path}")
 
 
-def _freeze(
+def freeze_scenario(
     name: str, path: Path, cases: int, seed: int, overrides: dict[str, Any], as_json: bool
 ) -> None:
+    """Write an evaluation set of a scenario."""
     from rich.console import Console
 
     from fgenv.scenarios import frozen
 
-    if path.suffix != ".npz":
-        raise ValueError(f"--freeze: got {path}, expected a name that ends in .npz")
+    check_target(path, "--freeze", ".npz")
     console = Console(stderr=True, highlight=False)
     with console.status("making cases") as status:
-        made = frozen(
+        frozen_set = frozen(
             name,
             cases=cases,
             seed=seed,
             progress=lambda done: status.update(f"{done} of {cases} cases made"),
             **overrides,
         )
-    made.save(path)
+    frozen_set.save(path)
     if as_json:
-        said = {"name": name, "cases": cases, "seed": seed, "robots": len(made.template.robots)}
-        typer.echo(json.dumps({**said, "id": made.id, "written": [str(path)]}, indent=1))
+        robots = len(frozen_set.template.robots)
+        data = {"name": name, "cases": cases, "seed": seed, "robots": robots}
+        typer.echo(json.dumps({**data, "id": frozen_set.id, "written": [str(path)]}, indent=1))
     else:
-        typer.echo(f"{made!r}\nid {made.id}\nwritten: {path}, {path.stat().st_size:,} bytes")
+        typer.echo(f"{frozen_set!r}\nid {frozen_set.id}")
+        echo_written([path])

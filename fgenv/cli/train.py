@@ -1,4 +1,4 @@
-"""``fgenv train``: a policy of your own."""
+"""``fgenv train``: train a policy."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.options import Json, Seed
-from fgenv.cli.run import names
-from fgenv.cli.scenarios import given
+from fgenv.cli.completion import scenario_names
+from fgenv.cli.options import ROBOTS_HELP, Json, Seed, Settings, Size
+from fgenv.cli.scenario_options import overrides_from
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,53 +21,55 @@ if TYPE_CHECKING:
     from fgenv.agents.training.training import Training
     from fgenv.agents.training.validation import EvaluationResult
 
+Scenario = Annotated[
+    str,
+    typer.Argument(help="Built-in scenario, or scenario file.", autocompletion=scenario_names),
+]
+Algorithm = Annotated[str, typer.Option("--algo", help="Algorithm: ppo.")]
+RecipeRobots = Annotated[
+    int | None, typer.Option("--n", min=1, help=ROBOTS_HELP, show_default="as in the recipe")
+]
+Steps = Annotated[
+    int | None,
+    typer.Option(
+        "--steps", min=1, help="Total number of robot steps.", show_default="as in the recipe"
+    ),
+]
+Every = Annotated[
+    int, typer.Option("--every", min=1, help="Number of steps between two evaluations.")
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        file_okay=False,
+        help="Folder for all files of the training; made if missing.",
+        show_default="out/train/SCENARIO",
+    ),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue the training in the folder.")]
+
 
 def train(
-    scenario: Annotated[
-        str,
-        typer.Argument(help="A built-in scenario, or a scenario file.", autocompletion=names),
-    ],
-    algo: Annotated[str, typer.Option("--algo", help="ppo.")] = "ppo",
-    n: Annotated[
-        int | None,
-        typer.Option("--n", min=1, help="Robots.", show_default="as the recipe has it"),
-    ] = None,
-    size: Annotated[float | None, typer.Option("--size", help="Meters; see the scenario.")] = None,
-    set: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="What is the scenario's own: jitter=0.1."),
-    ] = None,
-    steps: Annotated[
-        int | None,
-        typer.Option(
-            "--steps", min=1, help="Of robots, in all.", show_default="as the recipe has it"
-        ),
-    ] = None,
-    every: Annotated[
-        int, typer.Option("--every", min=1, help="Steps between two evaluations.")
-    ] = 250_000,
+    scenario: Scenario,
+    algo: Algorithm = "ppo",
+    n: RecipeRobots = None,
+    size: Size = None,
+    set: Settings = None,
+    steps: Steps = None,
+    every: Every = 250_000,
     seed: Seed = 0,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            file_okay=False,
-            help="Folder for what it writes; made if missing.",
-            show_default="out/train/SCENARIO",
-        ),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with what is in the folder.")
-    ] = False,
+    out: Folder = None,
+    resume: Resume = False,
     as_json: Json = False,
 ) -> None:
     """Train one policy for all robots of a scenario, and export it to a file without PyTorch.
 
-    All worlds are stepped at once; the recipe of the scenario tells what robots see, what they
-    are paid for, and a curriculum. Options given override it in all of its stages. The policy
-    that did best in the evaluations on cases apart is OUT/policy.npz: fgenv run SCENARIO
-    --policy mlp:OUT/policy.npz. Losses: tensorboard --logdir OUT/log. After Ctrl-C, --resume
-    goes on from the last evaluation. Same seed, same file, on one machine.
+    All worlds are stepped at once. The recipe of the scenario sets observations, rewards and a
+    curriculum; given options override it in all of its stages. OUT/policy.npz is the policy with
+    the best evaluation on separate cases: fgenv run SCENARIO --policy mlp:OUT/policy.npz. Losses:
+    tensorboard --logdir OUT/log. After Ctrl-C, --resume continues from the last evaluation. Same
+    seed, same file, on one machine.
 
     Needs the agents extra: pip install "fgenv\\[agents]".
     """
@@ -80,30 +82,16 @@ def train(
     from fgenv.agents.training.training import Training
 
     console = Console(stderr=as_json, highlight=False)
-    overrides = given(n, size, set or [])
+    overrides = overrides_from(n, size, set)
     recipe = recipe_of(scenario, overrides)
-    many = steps or recipe.steps
-    told = command(scenario, overrides, many, every, seed)
-    config = TrainingConfig(scenario, recipe, overrides, many, seed, told, every)
+    total = steps or recipe.steps
+    command = command_of(scenario, overrides, total, every, seed)
+    config = TrainingConfig(scenario, recipe, overrides, total, seed, command, every)
     folder = out or Path("out/train") / Path(scenario).stem
     training, began = Training(config, folder, resume=resume), time.perf_counter()
     interrupted = run(training, console)
-    path = folder / "policy.npz"
-    facts: dict[str, Any] = {
-        "scenario": scenario,
-        "command": told,
-        "seed": seed,
-        "steps": training.steps,
-        "best": training.best and asdict(training.best),
-        "policy": training.best and str(path),  # one that was there before is not its own
-        "wall_seconds": time.perf_counter() - began,
-    }
-    if as_json:
-        typer.echo(json.dumps(facts, indent=1))
-    elif training.best:
-        size_of = path.stat().st_size
-        typer.echo(f"written: {path}, {size_of:,} bytes, after {facts['wall_seconds']:.0f} s")
-        typer.echo(f"try it: fgenv run {scenario} --policy mlp:{path}")
+    seconds = time.perf_counter() - began
+    report(training, scenario, folder / "policy.npz", seconds, as_json)
     if interrupted:
         console.print(
             "interrupted: the same command with --resume goes on from the last evaluation"
@@ -113,14 +101,32 @@ def train(
         raise KeyboardInterrupt
 
 
+def report(training: Training, scenario: str, path: Path, seconds: float, as_json: bool) -> None:
+    """Print the result of a training."""
+    if as_json:
+        data: dict[str, Any] = {
+            "scenario": scenario,
+            "command": training.config.command,
+            "seed": training.config.seed,
+            "steps": training.steps,
+            "best": training.best and asdict(training.best),
+            "policy": training.best and str(path),  # an older file there is not of this training
+            "wall_seconds": seconds,
+        }
+        typer.echo(json.dumps(data, indent=1))
+    elif training.best:
+        typer.echo(f"written: {path}, {path.stat().st_size:,} bytes, after {seconds:.0f} s")
+        typer.echo(f"try it: fgenv run {scenario} --policy mlp:{path}")
+
+
 def run(training: Training, console: Console) -> bool:
-    """Learn, with progress; whether it was interrupted."""
-    from fgenv.cli.movie import progress
+    """Train with progress; return whether the training was interrupted."""
+    from fgenv.cli.progress import progress
 
     with progress(console) as bar:
         task = bar.add_task("learning", total=training.config.steps, completed=training.steps)
 
-        def tell(steps: int, check: EvaluationResult | None) -> None:
+        def show(steps: int, check: EvaluationResult | None) -> None:
             bar.update(task, completed=steps)
             if check is not None:
                 bar.console.print(
@@ -129,14 +135,14 @@ def run(training: Training, console: Console) -> bool:
                 )
 
         try:
-            training.run(tell)
+            training.run(show)
         except KeyboardInterrupt:
             return True
     return False
 
 
-def command(scenario: str, overrides: dict[str, Any], steps: int, every: int, seed: int) -> str:
-    """The command that gives the same file."""
+def command_of(scenario: str, overrides: dict[str, Any], steps: int, every: int, seed: int) -> str:
+    """Return the command that makes the same file."""
     parts = ["fgenv", "train", scenario]
     for key, value in overrides.items():
         parts += [f"--{key}", str(value)] if key in ("n", "size") else ["--set", f"{key}={value}"]

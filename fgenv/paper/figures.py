@@ -31,7 +31,7 @@ from fgenv.view.figures.palette import (
 )
 from fgenv.view.figures.picture import Picture
 from fgenv.view.figures.quantize import quantize
-from fgenv.view.figures.scene import close_up, outline, outlined_picture, portrait, transform
+from fgenv.view.figures.scene import close_up, outlined_picture, portrait, sharp_edges, transform
 from fgenv.view.figures.surfaces import Solid
 
 LIFT = 0.01  # meters that lines on the floor are above it
@@ -88,7 +88,7 @@ def motion_box(experiment: Experiment) -> Image.Image:
     bodies = _bodies(experiment, problem.starts[0])
     colors = {b.name: SKY if drive.during[b.name] else STEEL for b in bodies} | {"robot": ORANGE}
     picture = outlined_picture(bodies, _overview(1000, 640), colors, extra=[*ghosts, haze])
-    picture.segments(transform(outline(hull), center), PURPLE, width=2, hidden=0.3)
+    picture.segments(transform(sharp_edges(hull), center), PURPLE, width=2, hidden=0.3)
     picture.polyline(_on_floor(drive.path), GREEN, width=2.5, hidden=0.4)
     for body in bodies:
         picture.label(_above(body), f"{body.name}: mask {drive.during[body.name]}", size=17)

@@ -1,4 +1,4 @@
-"""The command line as a user and a shell see it: help, exit codes, one line for an error."""
+"""The command line in a shell: help, exit codes, errors of one line."""
 
 import os
 import subprocess
@@ -34,7 +34,7 @@ def raising(error: BaseException) -> Callable[..., None]:
 
 
 def ending(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int | str | None:
-    """Exit code of the process if a command raises `error`."""
+    """Return the exit code of the process if a command raises an error."""
     monkeypatch.delenv("FGENV_DEBUG", raising=False)
     monkeypatch.setattr(cli, "app", raising(error))
     with pytest.raises(SystemExit) as stopped:
@@ -47,7 +47,7 @@ def test_version_is_the_installed_one() -> None:
     assert (done.returncode, done.stdout) == (0, f"fgenv {__version__}\n")
 
 
-def test_help_teaches_by_examples_and_tells_exit_codes() -> None:
+def test_help_has_examples_and_exit_codes() -> None:
     done = fgenv("--help")
     assert done.returncode == 0
     for text in (*COMMANDS, "fgenv run three_tanks", "Exit codes", "--install-completion"):
@@ -63,7 +63,7 @@ def test_each_command_has_help_with_a_machine_readable_form(command: str) -> Non
     assert "--json" in done.stdout
 
 
-def test_validate_has_help_and_tells_by_line(tmp_path: Path) -> None:
+def test_validate_reports_lines(tmp_path: Path) -> None:
     assert "--json" in fgenv("validate", "--help").stdout
     file = tmp_path / "s.yaml"
     file.write_text("version: 1\nname: s\nrobot: []\n", encoding="utf-8")

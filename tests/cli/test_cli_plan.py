@@ -1,20 +1,18 @@
-"""``fgenv plan``, ``fgenv verify`` and ``fgenv run --policy plan``: what they say and refuse."""
+"""``fgenv plan``, ``fgenv verify`` and ``fgenv run --policy plan``: reports and errors."""
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from support.shell import Shell
 
-from fgenv import cli
 from fgenv.cli import errors
 from fgenv.envs import Record, replay
 from fgenv.planners import Plan
@@ -23,93 +21,61 @@ from fgenv.planners.plan import PLAN
 SCRIPT = Path(sys.executable).with_name("fgenv")
 
 
-class Shell:
-    """Runs the command in this process."""
-
-    def __init__(self, patch: pytest.MonkeyPatch, capture: pytest.CaptureFixture[str]) -> None:
-        self.patch, self.capture = patch, capture
-        patch.delenv("FGENV_DEBUG", raising=False)
-        patch.setenv("COLUMNS", "120")
-
-    def __call__(self, *arguments: object) -> tuple[int, str, str]:
-        """Exit code, stdout, stderr."""
-        self.patch.setattr(sys, "argv", ["fgenv", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        code = stopped.value.code
-        return (0 if code is None else int(code)), *self.capture.readouterr()
-
-    def json(self, *arguments: object) -> dict[str, Any]:
-        """What --json prints."""
-        code, out, _ = self(*arguments, "--json")
-        assert code == 0
-        found: dict[str, Any] = json.loads(out)
-        return found
-
-
-@pytest.fixture
-def fgenv(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> Shell:
-    monkeypatch.chdir(tmp_path)
-    return Shell(monkeypatch, capsys)
-
-
-def test_a_plan_is_told_kept_proved_and_driven(fgenv: Shell) -> None:
-    code, out, err = fgenv("plan", "doorway", "--n", 2, "--out", "p.npz")
+def test_a_plan_is_reported_saved_certified_and_executed(shell: Shell) -> None:
+    code, out, err = shell("plan", "doorway", "--n", 2, "--out", "p.npz")
     assert (code, err) == (0, "")
     for text in ("robot 1", "arrives (s)", "makespan", "proved free", "nearer", "written: p.npz"):
         assert text in out
-    assert fgenv("verify", "p.npz")[0] == 0
-    said = fgenv.json("run", "doorway", "--n", 2, "--policy", "plan:p.npz", "--record", "r.npz")
+    assert shell("verify", "p.npz")[0] == 0
+    data = shell.json("run", "doorway", "--n", 2, "--policy", "plan:p.npz", "--record", "r.npz")
     plan = Plan.load("p.npz")
-    assert (said["success_rate"], said["collisions"]) == (1.0, 0)
-    assert said["tracking_error"] < 1e-9
-    assert said["makespan"] <= plan.makespan + 1e-9
+    assert (data["success_rate"], data["collisions"]) == (1.0, 0)
+    assert data["tracking_error"] < 1e-9
+    assert data["makespan"] <= plan.makespan + 1e-9
     replay(Record.load("r.npz"))
 
 
-def test_json_is_what_the_file_has(fgenv: Shell) -> None:
-    said = fgenv.json("plan", "cell", "--method", "composite", "--seed", 2, "--out", "p.npz")
+def test_json_equals_the_file(shell: Shell) -> None:
+    data = shell.json("plan", "cell", "--method", "composite", "--seed", 2, "--out", "p.npz")
     plan = Plan.load("p.npz")
-    assert (said["id"], said["seed"], said["written"]) == (plan.id, 2, ["p.npz"])
-    assert said["makespan"] == plan.makespan
-    assert [robot["arrival"] for robot in said["robots"]] == list(plan.arrivals)
-    assert said["certificate"]["proved"]
-    proof = fgenv.json("verify", "p.npz")
+    assert (data["id"], data["seed"], data["written"]) == (plan.id, 2, ["p.npz"])
+    assert data["makespan"] == plan.makespan
+    assert [robot["arrival"] for robot in data["robots"]] == list(plan.arrivals)
+    assert data["certificate"]["proved"]
+    proof = shell.json("verify", "p.npz")
     assert (proof["id"], proof["steps"], proof["failed_step"]) == (plan.id, plan.steps, None)
 
 
-def test_same_arguments_same_plan(fgenv: Shell) -> None:
+def test_same_arguments_same_plan(shell: Shell) -> None:
     arguments = "plan", "swap", "--n", 3, "--method", "composite"
-    one, two = (fgenv.json(*arguments, "--seed", 1) for _ in range(2))
+    one, two = (shell.json(*arguments, "--seed", 1) for _ in range(2))
     assert one["robots"] == two["robots"]
-    assert one["robots"] != fgenv.json(*arguments, "--seed", 2)["robots"]
+    assert one["robots"] != shell.json(*arguments, "--seed", 2)["robots"]
 
 
 @pytest.mark.parametrize(
     ("start", "goal"), [("-1,0,0", "1,0,0"), ("-1,0,0,0,0,0,1", "1,0,0,0,0,1,0")]
 )
-def test_meshes_of_ones_own_are_planned(fgenv: Shell, start: str, goal: str) -> None:
+def test_own_meshes_are_planned(shell: Shell, start: str, goal: str) -> None:
     trimesh.creation.box((400, 300, 200)).export("robot.stl")
     walls = [trimesh.creation.box((200, 2000, 2000)) for _ in range(2)]
     for side, wall in zip((-1, 1), walls, strict=True):
         wall.apply_translation((0, 1300 * side, 0))
     trimesh.util.concatenate(walls).export("room.stl")
     ends = f"--start={start}", f"--goal={goal}", "--scale", 0.001, "--out", "m.npz"
-    said = fgenv.json("plan", "--mesh", "robot.stl", "--world", "room.stl", *ends)
-    assert said["certificate"]["proved"]
-    assert said["robots"][0]["path_length"] >= 2.0
-    assert fgenv("verify", "m.npz")[0] == 0
+    data = shell.json("plan", "--mesh", "robot.stl", "--world", "room.stl", *ends)
+    assert data["certificate"]["proved"]
+    assert data["robots"][0]["path_length"] >= 2.0
+    assert shell("verify", "m.npz")[0] == 0
     trimesh.creation.box((500, 300, 200)).export("robot.stl")
-    code, _, err = fgenv("verify", "m.npz")
+    code, _, err = shell("verify", "m.npz")
     assert code == errors.BAD_INPUT
     assert "robot.stl" in err
 
 
-def test_margins_and_tampering_are_found(fgenv: Shell) -> None:
-    assert fgenv("plan", "doorway", "--n", 2, "--method", "composite", "--out", "p.npz")[0] == 0
-    code, out, err = fgenv("verify", "p.npz", "--margin", 0.3)
+def test_margins_and_tampering_are_found(shell: Shell) -> None:
+    assert shell("plan", "doorway", "--n", 2, "--method", "composite", "--out", "p.npz")[0] == 0
+    code, out, err = shell("verify", "p.npz", "--margin", 0.3)
     assert (code, err) == (errors.FAILED_CHECK, "")
     assert "not proved: step" in out
     assert "robot" in out.rpartition("free: ")[2]
@@ -117,7 +83,7 @@ def test_margins_and_tampering_are_found(fgenv: Shell) -> None:
         arrays = dict(file)
     arrays["configurations_0"][5, 1] += 1.0
     np.savez("q.npz", **arrays)
-    assert fgenv("verify", "q.npz")[::2] == (
+    assert shell("verify", "q.npz")[::2] == (
         2,
         "fgenv: q.npz: is damaged, or no plan; plan again\n",
     )
@@ -128,65 +94,68 @@ def test_margins_and_tampering_are_found(fgenv: Shell) -> None:
         for i in (0, 1)
     }
     np.savez("q.npz", **{**arrays, "id": PLAN.id(texts, rows)})
-    code, _, err = fgenv("verify", "q.npz")
+    code, _, err = shell("verify", "q.npz")
     assert code == errors.BAD_INPUT
     assert "'robot 1' goes where its drive cannot" in err
 
 
-def test_no_plan_is_1_and_one_line(fgenv: Shell) -> None:
+def test_no_plan_is_1_and_one_line(shell: Shell) -> None:
     for command in (
         ("plan", "swap", "--n", 3, "--margin", 5),
         ("plan", "corridor", "--n", 8, "--method", "composite", "--time-limit", 0.05),
     ):
-        code, out, err = fgenv(*command)
+        code, out, err = shell(*command)
         assert (code, out, err.count("\n")) == (errors.FAILED_CHECK, "", 1)
         assert err.startswith("fgenv: ")
-    fgenv("plan", "swap", "--n", 2, "--out", "p.npz")
-    code, out, err = fgenv("run", "swap", "--n", 3, "--policy", "plan:p.npz")
+    shell("plan", "swap", "--n", 2, "--out", "p.npz")
+    code, out, err = shell("run", "swap", "--n", 3, "--policy", "plan:p.npz")
     assert (code, out) == (errors.FAILED_CHECK, "")
-    assert "plan: is of robot 1, robot 2, not of" in err
+    assert "plan: got robots robot 1, robot 2, expected" in err
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ("plan", "expected one, or --mesh"),
         ("plan swop", "'swop' is no built-in scenario; did you mean 'swap'?"),
         ("plan none.yaml", "none.yaml: No such file or directory"),
         ("plan swap --method compsite", "method: 'compsite' is not known; did you mean"),
         ("plan swap --n 1 --planner RTT", "planner: 'RTT' is not known; did you mean 'RRT"),
-        ("plan swap --objective speed", "--objective: 'speed', expected length, clearance, time"),
+        (
+            "plan swap --objective speed",
+            "--objective: got 'speed', expected length, clearance, time",
+        ),
         ("plan swap --time-limit 0", "time_limit: got 0.0, expected finite seconds over 0"),
         ("plan swap --margin -1", "margin: got -1.0, expected meters, 0 or more"),
-        ("plan swap --out p.json", "--out: p.json, expected a name that ends in .npz"),
-        ("plan swap --out none/p.npz", "--out: none/p.npz; there is no folder none"),
+        ("plan swap --out p.json", "--out: got p.json, expected a name that ends in .npz"),
+        ("plan swap --out none/p.npz", "--out: none/p.npz: there is no folder none"),
         ("plan swap --start 1,2,3", "--world, --start and --goal: expected with --mesh"),
         ("plan --mesh r.stl --start 1,2,3", "--mesh: expected with --start and --goal"),
-        ("plan --mesh r.stl --start 1,2 --goal 1,2", "--start: '1,2', expected x,y,yaw or"),
-        ("plan --mesh r.stl --start a,b,c --goal 1,2,3", "--start: 'a,b,c', expected numbers"),
+        ("plan --mesh r.stl --start 1,2 --goal 1,2", "--start: got '1,2', expected x,y,yaw or"),
+        ("plan --mesh r.stl --start a,b,c --goal 1,2,3", "--start: got 'a,b,c', expected numbers"),
         ("plan --mesh none.stl --start 1,2,3 --goal 1,2,3", "none.stl"),
         ("verify none.npz", "none.npz: No such file or directory"),
         ("run swap --policy plan:none.npz", "none.npz: No such file or directory"),
         ("run swap --policy plan:compsite", "method: got 'compsite', which is unknown"),
     ],
 )
-def test_bad_input_is_2_and_one_line(fgenv: Shell, arguments: str, told: str) -> None:
-    code, out, err = fgenv(*arguments.split())
+def test_bad_input_is_2_and_one_line(shell: Shell, arguments: str, message: str) -> None:
+    code, out, err = shell(*arguments.split())
     assert (code, out, err.count("\n")) == (errors.BAD_INPUT, "", 1)
-    assert told in err
+    assert message in err
     assert list(Path().iterdir()) == []
 
 
-def test_a_file_that_is_no_plan_is_2(fgenv: Shell) -> None:
+def test_a_file_that_is_no_plan_is_2(shell: Shell) -> None:
     Path("p.npz").write_text("no plan")
-    assert fgenv("verify", "p.npz")[::2] == (
+    assert shell("verify", "p.npz")[::2] == (
         2,
         "fgenv: p.npz: is damaged, or no plan; plan again\n",
     )
-    assert fgenv("run", "swap", "--policy", "plan:p.npz")[0] == errors.BAD_INPUT
+    assert shell("run", "swap", "--policy", "plan:p.npz")[0] == errors.BAD_INPUT
 
 
-def test_interrupted_it_keeps_the_best_so_far(tmp_path: Path) -> None:
+def test_an_interrupted_search_keeps_the_best_plan(tmp_path: Path) -> None:
     limits = "--planner", "RRTstar", "--method", "composite", "--time-limit", "60"
     command = [SCRIPT, "plan", "swap", "--n", "2", *limits, "--out", tmp_path / "p.npz"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
@@ -195,14 +164,13 @@ def test_interrupted_it_keeps_the_best_so_far(tmp_path: Path) -> None:
         out, err = run.communicate(timeout=30)
     assert run.returncode == errors.INTERRUPTED
     assert err == b""
-    if out:  # else it had none by then
+    if out:  # else there was no plan yet
         assert b"proved free" in out
         assert Plan.load(tmp_path / "p.npz").certificate
 
 
 def test_tab_completes_methods() -> None:
-    from fgenv.cli.plan import methods
-    from fgenv.cli.run import policies
+    from fgenv.cli.completion import method_names, policy_names
 
-    assert "composite" in methods("c")
-    assert {"plan", "plan:composite"} <= set(policies("plan"))
+    assert "composite" in method_names("c")
+    assert {"plan", "plan:composite"} <= set(policy_names("plan"))

@@ -1,9 +1,11 @@
-"""The command line run in this process: faster than one of its own."""
+"""The command line, run in this process: faster than a new process."""
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,9 +21,10 @@ class Shell:
         self.patch, self.capture = patch, capture
         patch.chdir(folder)
         patch.delenv("FGENV_DEBUG", raising=False)
+        patch.setenv("COLUMNS", "120")
 
     def __call__(self, *words: object) -> tuple[int, str, str]:
-        """Exit code, stdout, stderr."""
+        """Return exit code, stdout and stderr."""
         self.patch.setattr(sys, "argv", ["fgenv", *map(str, words)])
         self.capture.readouterr()
         with pytest.raises(SystemExit) as stopped:
@@ -29,8 +32,15 @@ class Shell:
         code = stopped.value.code
         return (0 if code is None else int(code)), *self.capture.readouterr()
 
+    def json(self, *words: object) -> dict[str, Any]:
+        """Return the document that --json prints."""
+        code, out, _ = self(*words, "--json")
+        assert code == 0
+        data: dict[str, Any] = json.loads(out)
+        return data
+
     def refuses(self, *words: object) -> str:
-        """What a wrong use is told: on stderr, in one line."""
+        """Return the error of a wrong use: one line on stderr."""
         code, out, err = self(*words)
         assert (code, out, err.count("\n")) == (2, "", 1)
         return err

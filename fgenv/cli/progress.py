@@ -1,4 +1,4 @@
-"""Drawing a record as a movie, with progress."""
+"""Progress bars of long commands, and movies that are drawn with one."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
     from fgenv.envs import Record
 
-MOST_FPS = 25.0  # if not told
+MAX_FPS = 25.0  # by default
 
 
-def draw(
+def write_episode_movie(
     record: Record,
     path: Path,
     fps: float | None,
@@ -25,23 +25,25 @@ def draw(
     look: dict[str, Any] | None = None,
     speed: float = 1.0,
 ) -> None:
-    """The movie of a record, `speed` times real time; `look` is what `frames_of` takes beside."""
+    """Write the movie of a record at `speed` times real time.
+
+    Args:
+        look: further keyword arguments of `frames_of`.
+    """
     from fgenv.view.figures.episode_frames import frames_of, steps_shown
     from fgenv.view.figures.movie import frame_seconds, write_movie
 
-    seconds = frame_seconds(path, min(fps or MOST_FPS, speed / record.dt))
+    seconds = frame_seconds(path, min(fps or MAX_FPS, speed / record.dt))
     steps = steps_shown(record, speed * seconds)
     with progress(console) as bar:
         task = bar.add_task("drawing", total=len(steps))
-        frames = bar.track(
-            frames_of(record, steps, *size, **(look or {})), task_id=task, total=len(steps)
-        )
-        write_movie(path, frames, 1 / seconds)
+        frames = frames_of(record, steps, *size, **(look or {}))
+        write_movie(path, bar.track(frames, task_id=task, total=len(steps)), 1 / seconds)
 
 
 @contextmanager
 def progress(console: Console) -> Iterator[Progress]:
-    """A bar that is gone in the end, on stderr if stdout is for a machine."""
+    """Show a bar that disappears at the end; it is hidden unless the console is a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
 

@@ -1,4 +1,4 @@
-"""Scores of policies, for a reader and for a machine."""
+"""The report of an evaluation: a table for readers, data for JSON and CSV."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fgenv.confidence import Estimate
     from fgenv.scenarios import FrozenSet
 
-# What a row tells: name, unit, digits
+# Rows of the table by attribute of a score: name, unit, digits
 ROWS = {
     "success": ("success", "of episodes", 2),
     "robot_success": ("success", "of robots", 3),
@@ -48,7 +48,7 @@ COLUMNS = (
 
 
 def name_of(cases: FrozenSet) -> str:
-    """What a set is called: its scenario, robots, time limit, cases and id."""
+    """Return the title of a set: scenario, robots, time limit, cases and id."""
     t = cases.template
     return (
         f"{t.name}, {len(t.robots)} robots, {t.horizon:g} s, {len(cases)} cases"
@@ -56,11 +56,11 @@ def name_of(cases: FrozenSet) -> str:
     )
 
 
-def tell(console: Console, result: Evaluation, seconds: float) -> None:
-    """A table: a row for each number, a column for each policy."""
+def print_report(console: Console, result: Evaluation, seconds: float) -> None:
+    """Print a table with a row per score and a column per policy."""
     done, total = len(result.done), len(result.cases)
     if not done:
-        console.print("no case is done by all policies, nothing to tell")
+        console.print("no case is done by all policies, nothing to report")
         return
     table = Table(title=escape(name_of(result.cases)), box=None, title_justify="left")
     table.add_column("")
@@ -70,28 +70,28 @@ def tell(console: Console, result: Evaluation, seconds: float) -> None:
         table.add_column(escape(name), justify="right")
     for key, (about, unit, digits) in ROWS.items():
         estimates = [getattr(score, key) for score in scores.values()]
-        table.add_row(about, unit, *(shown(x, digits) for x in estimates))
+        table.add_row(about, unit, *(with_interval(x, digits) for x in estimates))
     console.print(table)
     console.print(f"{done} of {total} cases, 95 % confidence in brackets", end="")
     console.print(f"; * over the {len(result.shared)} that all solve ({seconds:.1f} s)")
 
 
-def shown(estimate: Estimate, digits: int) -> str:
-    """A number and its interval; a dash where there is none."""
+def with_interval(estimate: Estimate, digits: int) -> str:
+    """Format a number and its interval; a dash if there is none."""
     if math.isnan(estimate.value):
         return "-"
     value, low, high = (f"{x:.{digits}f}" for x in estimate)
     return f"{value} \\[{low}, {high}]"
 
 
-def facts(result: Evaluation, seed: int) -> dict[str, Any]:
-    """The same for JSON: meters, radians, seconds of simulated time; null: nothing to tell."""
+def as_data(result: Evaluation, seed: int) -> dict[str, Any]:
+    """Return the report for JSON, in meters, radians, seconds of simulated time; null: no value."""
     cases = result.cases
     scores = {
         name: {
             "episodes": score.episodes,
             "shared": score.shared,
-            **{key: [plain(x) for x in getattr(score, key)] for key in ROWS},
+            **{key: [finite(x) for x in getattr(score, key)] for key in ROWS},
             "failed_cases": [c for c in result.done if not result.results[name][c].success],
         }
         for name, score in result.scores.items()
@@ -109,23 +109,23 @@ def facts(result: Evaluation, seed: int) -> dict[str, Any]:
     }
 
 
-def plain(x: float) -> float | None:
-    """The number, None where there is none."""
+def finite(x: float) -> float | None:
+    """Return a finite number, or None."""
     return x if math.isfinite(x) else None
 
 
-def csv_of(result: Evaluation) -> str:
-    """A row for each robot of each episode; empty where there is no number."""
+def to_csv(result: Evaluation) -> str:
+    """Return a row for each robot of each episode; cells without a value are empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
     for policy in result.policies:
         for case in result.done:
-            episode, ways = result.results[policy][case], result.unobstructed[case].robots
+            episode, straight = result.results[policy][case], result.unobstructed[case].robots
             seed = int(result.cases.seeds[case])
-            for i, (robot, way) in enumerate(zip(episode.results.robots, ways, strict=True)):
-                met = episode.robot_collisions[i], episode.body_collisions[i]
-                went = robot.path_length, robot.unit, plain(robot.least_clearance)
-                told = policy, case, seed, robot.name, int(robot.success), robot.arrival
-                writer.writerow([*told, *met, *went, way.arrival, way.path_length])
+            for i, (robot, direct) in enumerate(zip(episode.results.robots, straight, strict=True)):
+                key = policy, case, seed, robot.name, int(robot.success), robot.arrival
+                contacts = episode.robot_collisions[i], episode.body_collisions[i]
+                path = robot.path_length, robot.unit, finite(robot.least_clearance)
+                writer.writerow([*key, *contacts, *path, direct.arrival, direct.path_length])
     return out.getvalue()

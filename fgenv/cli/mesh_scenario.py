@@ -1,4 +1,4 @@
-"""A scenario of two mesh files: a robot, the world around it, a start and a goal."""
+"""A scenario of two mesh files: a robot and its surroundings, with a start and a goal."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ import numpy as np
 if TYPE_CHECKING:
     from fgenv.scenarios import Scenario
 
-SIZES = {3: "planar", 7: "free"}  # how many numbers a configuration of which base has
-ROOM = 1.0  # of the robot's size, that it may leave the world's box by
+BASES = {3: "planar", 7: "free"}  # base by the length of a configuration
+ROOM = 1.0  # margin of the workspace around the world's box, in sizes of the robot
 
 
 def scenario_of_meshes(
     robot: Path, world: Path | None, start: str, goal: str, scale: float
 ) -> Scenario:
-    """The robot in the world: both in one frame, the robot's mesh about its own origin.
+    """Return the scenario of a robot in a world; both meshes are in one frame.
 
     Args:
         robot, world: mesh files, z up.
-        start, goal: "x,y,yaw" of a robot that stays on the floor, or "x,y,z,qx,qy,qz,qw"
-            (meters, radians, a unit quaternion).
+        start, goal: "x,y,yaw" of a robot on the floor, or "x,y,z,qx,qy,qz,qw" (meters, radians,
+            a unit quaternion).
         scale: factor of both meshes to meters.
 
     Raises:
-        ValueError: numbers that are none, or not that many.
-        OSError: a file that cannot be read.
+        ValueError: invalid numbers, or a wrong count.
+        OSError: a file cannot be read.
     """
     from fgenv.scenarios import Scenario
 
     ends = numbers("--start", start), numbers("--goal", goal)
     if len(ends[0]) != len(ends[1]):
-        raise ValueError(f"--goal: {len(ends[1])} numbers, --start has {len(ends[0])}")
+        raise ValueError(f"--goal: got {len(ends[1])} numbers, expected {len(ends[0])}, as --start")
     if not scale > 0:
         raise ValueError(f"--scale: got {scale}, expected a factor over 0")
     files = {"robot": robot} | ({} if world is None else {"world": world})
@@ -47,7 +47,7 @@ def scenario_of_meshes(
                 name: {"kind": "mesh", "file": os.path.relpath(path), "scale": scale}
                 for name, path in files.items()
             },
-            "models": {"robot": {"shape": "robot", "base": SIZES[len(ends[0])]}},
+            "models": {"robot": {"shape": "robot", "base": BASES[len(ends[0])]}},
             "robots": [{"name": "robot", "model": "robot", "start": ends[0], "goal": ends[1]}],
             "bodies": [] if world is None else [{"name": "world", "shape": "world"}],
         }
@@ -55,33 +55,33 @@ def scenario_of_meshes(
 
 
 def numbers(option: str, text: str) -> tuple[float, ...]:
-    """A configuration from the command line; a quaternion is brought to unit length."""
+    """Parse a configuration; a quaternion is normalized."""
     try:
-        found = [float(word) for word in text.replace(",", " ").split()]
+        q = [float(word) for word in text.replace(",", " ").split()]
     except ValueError:
         raise ValueError(f"{option}: got {text!r}, expected numbers with commas between") from None
-    if len(found) not in SIZES or not np.isfinite(found).all():
+    if len(q) not in BASES or not np.isfinite(q).all():
         raise ValueError(f"{option}: got {text!r}, expected x,y,yaw or x,y,z,qx,qy,qz,qw")
-    if len(found) == 7:
-        length = float(np.linalg.norm(found[3:]))
+    if len(q) == 7:
+        length = float(np.linalg.norm(q[3:]))
         if abs(length - 1) > 1e-3:
-            raise ValueError(f"{option}: quaternion of length {length:.4g}, expected 1")
-        found[3:] = [x / length for x in found[3:]]
-    return tuple(found)
+            raise ValueError(f"{option}: got a quaternion of length {length:.4g}, expected 1")
+        q[3:] = [x / length for x in q[3:]]
+    return tuple(q)
 
 
 def workspace(
     robot: Path, world: Path | None, ends: tuple[tuple[float, ...], ...], scale: float
 ) -> dict[str, list[float]]:
-    """The world's box and both ends, and the robot's size around them (m)."""
+    """Return the corners of the workspace: the world and both ends, with a margin (m)."""
     from fgenv.collision import Shape
 
     axes = 3 if len(ends[0]) == 7 else 2
-    own = Shape.load(robot, scale=scale).vertices
-    places = [np.array([end[:axes] for end in ends])]
+    vertices = Shape.load(robot, scale=scale).vertices
+    points = [np.array([end[:axes] for end in ends])]
     if world is not None:
-        places.append(np.asarray(Shape.load(world, scale=scale).vertices)[:, :axes])
-    room = ROOM * float(np.ptp(own, axis=0).max())
-    corners = np.concatenate(places)
+        points.append(np.asarray(Shape.load(world, scale=scale).vertices)[:, :axes])
+    room = ROOM * float(np.ptp(vertices, axis=0).max())
+    corners = np.concatenate(points)
     low, high = corners.min(axis=0) - room, corners.max(axis=0) + room
     return {"low": low.tolist(), "high": high.tolist()}

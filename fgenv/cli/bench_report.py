@@ -1,0 +1,95 @@
+"""Common parts of the benchmark commands: machine, progress, plots, JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.status import Status
+
+Rows = dict[str, list[dict[str, Any]]]  # by part of a benchmark
+
+
+class BenchReport:
+    """Output of one benchmark: tables for a reader, or one JSON document.
+
+    Args:
+        as_json: print the document on stdout, and tables on stderr.
+        plots: files to write by option; they are checked at once.
+
+    Raises:
+        ValueError: a wrong plot path.
+    """
+
+    def __init__(self, as_json: bool, **plots: Path | None) -> None:
+        from rich.console import Console
+
+        from fgenv.view.figures.canvas import check_plot_path
+
+        for option, path in plots.items():
+            if path is not None:
+                check_plot_path(path, f"--{option}")
+        self.as_json = as_json
+        self.console: Console = Console(stderr=as_json, highlight=False)
+        self.document: dict[str, Any] = {}
+
+    def machine(self, versions: Mapping[str, str] | None = None) -> None:
+        """Print and store the machine and the versions of the libraries."""
+        from fgenv.bench.pairs.run import machine
+
+        about = machine()
+        self.console.print(
+            f"{about['processor']}, {about['cores']} cores, {about['system']},", end=" "
+        )
+        self.console.print(f"Python {about['python']}, NumPy {about['numpy']}")
+        self.document["machine"] = about
+        if versions is not None:
+            self.console.print(", ".join(f"{name} {number}" for name, number in versions.items()))
+            self.document["versions"] = dict(versions)
+
+    def collect(
+        self,
+        records: Callable[[Status], Iterable[tuple[str, dict[str, Any]]]],
+        show: Callable[[Console, str, list[dict[str, Any]]], None],
+        first: str,
+    ) -> Rows:
+        """Run a benchmark of several parts, and print the tables of each part once it is done.
+
+        Args:
+            records: makes the iterator of parts and their rows.
+            show: prints the tables of a part.
+            first: status at the beginning.
+        """
+        rows: Rows = {}
+        with self.console.status(first) as status:
+            for part, record in records(status):
+                if rows and part not in rows:
+                    last = list(rows)[-1]
+                    show(self.console, last, rows[last])
+                rows.setdefault(part, []).append(record)
+        last = list(rows)[-1]
+        show(self.console, last, rows[last])
+        return rows
+
+    def finish(self, **more: Any) -> None:
+        """Print the document if it was requested."""
+        if self.as_json:
+            typer.echo(json.dumps({**self.document, **more}, indent=1))
+
+
+def package_versions(names: Iterable[str]) -> dict[str, str]:
+    """Return the installed versions of packages."""
+    from importlib.metadata import version
+
+    return {name: version(name) for name in names}
+
+
+def split_names(text: str) -> tuple[str, ...]:
+    """Return the names in a list with commas."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
