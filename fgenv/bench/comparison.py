@@ -1,6 +1,6 @@
-"""What ``fgenv compare`` measures: the paper's claim, each method on the same real poses.
+"""Measurements of ``fgenv compare``: each collision method on the same poses of real meshes.
 
-The feature graphs (published, by crease, by tolerance, exact) against boxes, sphere, hull, grid.
+Feature graphs (published, by crease, by tolerance, exact) against boxes, sphere, hull and grid.
 """
 
 from __future__ import annotations
@@ -9,9 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fgenv.arrays import Poses
+from fgenv.arrays import Flags, Poses
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.common.poses import random_poses, random_rotations
 from fgenv.bench.common.timing import each_call
@@ -20,7 +19,7 @@ from fgenv.bench.peers.ground_truth import Truth
 from fgenv.collision import Shape, collide
 from fgenv.paper.baselines import BASELINES, Baseline
 
-BLOCK = 20  # poses that a method is timed on before the next one's turn
+BLOCK = 20  # poses per turn of a method
 KITCHEN = "kitchen_franka/kitchen_assets/meshes"
 IRB140 = "xacro/abb_irb140_description/meshes/irb140/collision"
 
@@ -58,16 +57,16 @@ PAIRS = (
 )
 
 
-class Graphs:
-    """One of the feature-graph methods; a, the mover, is the first body.
+class FeatureGraphs:
+    """A feature-graph method on one pair of shapes; the first is the moving body.
 
-    `tests`: edges times faces of the whole walk as published, without a tree.
+    `tests`: edges times faces of the walk as published, without a tree.
     """
 
     def __init__(self, a: Shape, b: Shape) -> None:
         self._a, self._b = a, b
         self.tests = len(a.graph.edges) * len(b.faces)
-        if a.method != "loop":  # both ways
+        if a.method != "loop":  # edges of both bodies
             self.tests += len(b.graph.edges) * len(a.faces)
 
     def collides(self, Ta: Poses, Tb: Poses) -> bool:
@@ -76,24 +75,24 @@ class Graphs:
 
 
 def methods(a: Mesh, b: Mesh, tolerance: float) -> dict[str, Baseline]:
-    """Every method over one pair; `tolerance` in sizes of each body."""
+    """Every method on one pair, by name; `tolerance` is relative to the size of each body."""
 
-    def graphs(method: str) -> Graphs:
-        return Graphs(*(Shape(m.vertices, m.faces, method) for m in (a, b)))
+    def graphs(method: str) -> FeatureGraphs:
+        return FeatureGraphs(*(Shape(m.vertices, m.faces, method) for m in (a, b)))
 
     bounded = (Shape(m.vertices, m.faces, tolerance=tolerance * m.size) for m in (a, b))
     return {
         "loop": graphs("loop"),
         "crease": graphs("crease"),
-        "tolerance": Graphs(*bounded),
+        "tolerance": FeatureGraphs(*bounded),
         "exact": graphs("exact"),
         **{name: kind(a, b) for name, kind in BASELINES.items()},
     }
 
 
 @dataclass
-class Score:
-    """One method on some poses: verdicts (n,), tests and seconds of each query."""
+class Measurements:
+    """Verdicts, elementary tests and seconds of each query of one method."""
 
     verdicts: list[bool] = field(default_factory=list)
     tests: list[int] = field(default_factory=list)
@@ -102,13 +101,13 @@ class Score:
 
 @dataclass(frozen=True)
 class Row:
-    """What the table says of one method; ratios are None where they have no denominator."""
+    """The results of one method; a ratio without a denominator is None."""
 
     method: str
-    hits: int  # verdicts 'collision' that are right
+    hits: int  # correct verdicts 'collision'
     false_hits: int
     missed: int
-    tests: float  # mean a query
+    tests: float  # mean per query
     microseconds: float  # median of a single call
 
     @property
@@ -123,27 +122,27 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """One pair: its truth and a row for each method."""
+class PairResult:
+    """The results on one pair of meshes, a row for each method."""
 
     pair: str
     triangles: tuple[int, int]
     poses: int
     hit_share: float
-    contained: int  # poses with a body inside the other, surfaces apart
+    contained: int  # poses with one body inside the other and no surface contact
     rows: tuple[Row, ...]
 
 
 def compare_pairs(
     count: int, seed: int, tolerance: float, pairs: Sequence[Pair] = PAIRS
-) -> Iterator[Outcome]:
-    """Measure pair after pair, `count` poses each; same seed, same poses."""
+) -> Iterator[PairResult]:
+    """Measure each pair on `count` poses; the same seed gives the same poses."""
     for k, pair in enumerate(pairs):
         yield compare_pair(pair, count, np.random.default_rng((seed, k)), tolerance)
 
 
-def compare_pair(pair: Pair, count: int, rng: np.random.Generator, tolerance: float) -> Outcome:
-    """Every method on `count` seeded poses of `pair`, near contact, about 40 % of them hits."""
+def compare_pair(pair: Pair, count: int, rng: np.random.Generator, tolerance: float) -> PairResult:
+    """Measure every method on `count` poses of a pair near contact, about 40 % of them hits."""
     a, b = pair.a.load(), pair.b.load()
     pose_a = np.eye(4)
     pose_a[:3, :3], pose_a[:3, 3] = random_rotations(rng, 1)[0], rng.normal(size=3)
@@ -151,45 +150,45 @@ def compare_pair(pair: Pair, count: int, rng: np.random.Generator, tolerance: fl
     poses = random_poses(a, b, pose_a, count, truth.collides, rng)
     inside = np.array([not truth.touches(p) and truth.contains(p) for p in poses])
     hits = inside | np.array([truth.touches(p) for p in poses])
-    scores = run(methods(a, b, tolerance), pose_a, poses)
-    rows = tuple(_row(name, score, hits) for name, score in scores.items())
+    measured = measure(methods(a, b, tolerance), pose_a, poses)
+    rows = tuple(_row(name, measurements, hits) for name, measurements in measured.items())
     triangles = len(a.faces), len(b.faces)
-    return Outcome(pair.name, triangles, count, float(hits.mean()), int(inside.sum()), rows)
+    return PairResult(pair.name, triangles, count, float(hits.mean()), int(inside.sum()), rows)
 
 
-def run(racing: dict[str, Baseline], pose_a: Poses, poses: Poses) -> dict[str, Score]:
-    """All methods on all poses, block by block; the order of methods rotates."""
-    scores = {name: Score() for name in racing}
-    names = list(racing)
+def measure(methods: dict[str, Baseline], pose_a: Poses, poses: Poses) -> dict[str, Measurements]:
+    """Run all methods on all poses (n, 4, 4), in turns of a block with a rotating order."""
+    measured = {name: Measurements() for name in methods}
+    names = list(methods)
     for turn, start in enumerate(range(0, len(poses), BLOCK)):
-        some, first = poses[start : start + BLOCK], turn % len(names)
+        block, first = poses[start : start + BLOCK], turn % len(names)
         for name in names[first:] + names[:first]:
-            _ask(racing[name], pose_a, some, scores[name])
-    return scores
+            _measure_block(methods[name], pose_a, block, measured[name])
+    return measured
 
 
-def _ask(method: Baseline, pose_a: Poses, poses: Poses, score: Score) -> None:
+def _measure_block(method: Baseline, pose_a: Poses, poses: Poses, target: Measurements) -> None:
     for pose in poses:
-        score.verdicts.append(method.collides(pose_a, pose))
-        score.tests.append(method.tests)
+        target.verdicts.append(method.collides(pose_a, pose))
+        target.tests.append(method.tests)
     call: Callable[[Poses], bool] = lambda pose: method.collides(pose_a, pose)  # noqa: E731
-    score.seconds.extend(each_call(call, poses))
+    target.seconds.extend(each_call(call, poses))
 
 
-def _row(name: str, score: Score, truth: NDArray[np.bool_]) -> Row:
-    said = np.array(score.verdicts, np.bool_)
+def _row(name: str, measurements: Measurements, truth: Flags) -> Row:
+    verdicts = np.array(measurements.verdicts, np.bool_)
     return Row(
         name,
-        int(np.sum(said & truth)),
-        int(np.sum(said & ~truth)),
-        int(np.sum(~said & truth)),
-        float(np.mean(score.tests)),
-        1e6 * float(np.median(score.seconds)),
+        int(np.sum(verdicts & truth)),
+        int(np.sum(verdicts & ~truth)),
+        int(np.sum(~verdicts & truth)),
+        float(np.mean(measurements.tests)),
+        1e6 * float(np.median(measurements.seconds)),
     )
 
 
-def over_all(outcomes: Sequence[Outcome]) -> list[Row]:
-    """One row a method: counts summed, tests and times as geometric means over the pairs."""
+def overall(results: Sequence[PairResult]) -> list[Row]:
+    """A row for each method over all pairs: sums of counts, geometric means of tests and times."""
     return [
         Row(
             rows[0].method,
@@ -199,7 +198,7 @@ def over_all(outcomes: Sequence[Outcome]) -> list[Row]:
             _geometric_mean([row.tests for row in rows]),
             _geometric_mean([row.microseconds for row in rows]),
         )
-        for rows in zip(*(outcome.rows for outcome in outcomes), strict=True)
+        for rows in zip(*(result.rows for result in results), strict=True)
     ]
 
 

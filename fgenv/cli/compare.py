@@ -1,4 +1,4 @@
-"""``fgenv compare``: the table that the paper claims and never prints."""
+"""``fgenv compare``: precision, recall and speed of each collision method."""
 
 from __future__ import annotations
 
@@ -12,38 +12,39 @@ from fgenv.cli.errors import FAILED_CHECK
 from fgenv.cli.options import Json, Seed
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
-    from fgenv.bench.comparison import Outcome, Row
+    from fgenv.bench.comparison import PairResult, Row
 
 NOTE = (
-    "precision: share of reported collisions that are true; recall: share of true ones reported "
-    "(truth: python-fcl, and winding numbers for a body inside another). tests: elementary tests "
-    "a query; for the graphs edges times faces of the whole walk as published (their native code "
-    "asks a tree first and does few of them), for the others boxes, spheres, hulls or cells in "
-    "pairs until the first hit. µs: median of a call; graphs are native, the hull is python-fcl's, "
-    "the others plain NumPy (their µs say little)."
+    "precision: share of the reported collisions that are true; recall: share of the true ones "
+    "that are reported (truth: python-fcl, and winding numbers for a body inside another). tests: "
+    "elementary tests per query; for the graphs edges times faces of the walk as published (the "
+    "native code does few of them), for the others pairs of boxes, spheres, hulls or cells until "
+    "the first hit. µs: median of a call; the graphs are native, the hull is python-fcl's, the "
+    "others are plain NumPy (their µs are no measure of the method)."
 )
 COLUMNS = ("precision", "recall", "false hits", "missed", "tests", "µs")
 
 
 def compare(
-    poses: Annotated[int, typer.Option("--poses", min=10, help="Poses a pair.")] = 300,
+    poses: Annotated[int, typer.Option("--poses", min=10, help="Poses per pair.")] = 300,
     tolerance: Annotated[
         float,
-        typer.Option("--tolerance", help="Of the method 'tolerance', as a share of a body's size."),
+        typer.Option("--tolerance", help="Of the method 'tolerance', relative to a body's size."),
     ] = 1e-3,
     csv: Annotated[
         Path | None, typer.Option("--csv", dir_okay=False, help="Write every row to this file.")
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", dir_okay=False, help="Draw precision and recall to this picture."),
+        typer.Option("--plot", dir_okay=False, help="Draw precision and recall to this file."),
     ] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Compare the feature graphs with boxes, sphere, hull and grid: how right, how fast.
+    """Compare the feature graphs with boxes, sphere, hull and grid: accuracy and speed.
 
     Six pairs of real, concave meshes near contact, each method on the same poses in turns. Needs
     the bench extra: pip install "fgenv\\[bench]". Exit code 1 if the exact method is ever wrong.
@@ -51,53 +52,62 @@ def compare(
     from rich.console import Console
 
     if not tolerance > 0.0:
-        raise ValueError(f"tolerance is {tolerance}, expected a share of the size above 0")
-    from fgenv.bench.comparison import PAIRS, compare_pairs, over_all
+        raise ValueError(f"tolerance: got {tolerance}, expected a share of the size above 0")
+    from fgenv.bench.comparison import overall
 
     console = Console(stderr=as_json, highlight=False)
-
-    def show(heading: str, rows: Sequence[Row]) -> None:
-        console.print(heading, style="bold")
-        console.print(table(rows), "")
-
-    outcomes: list[Outcome] = []
-    with console.status(PAIRS[0].name) as status:
-        for done, outcome in enumerate(compare_pairs(poses, seed, tolerance), 1):
-            outcomes.append(outcome)
-            show(title(outcome), outcome.rows)
-            status.update(f"{done} of {len(PAIRS)} pairs done")
-    overall = over_all(outcomes)
-    show("all pairs (counts summed; tests and µs: geometric means)", overall)
+    results = measured_pairs(console, poses, seed, tolerance)
+    rows = overall(results)
+    show(console, "all pairs (counts summed; tests and µs: geometric means)", rows)
     console.print(NOTE)
     if csv is not None:
-        write_csv(csv, outcomes)
+        write_csv(csv, results)
     if plot is not None:
-        draw(plot, overall)
+        draw(plot, rows)
     if as_json:
-        typer.echo(to_json(outcomes, overall, {"poses": poses, "seed": seed, "share": tolerance}))
-    if any(row.missed or row.false_hits for row in overall if row.method == "exact"):
+        typer.echo(to_json(results, rows, {"poses": poses, "seed": seed, "share": tolerance}))
+    if any(row.missed or row.false_hits for row in rows if row.method == "exact"):
         console.print("The exact method disagrees with the truth.", style="bold red")
         raise typer.Exit(FAILED_CHECK)
 
 
-def title(outcome: Outcome) -> str:
+def measured_pairs(console: Console, poses: int, seed: int, tolerance: float) -> list[PairResult]:
+    """The results of all pairs; each is printed when it is measured."""
+    from fgenv.bench.comparison import PAIRS, compare_pairs
+
+    results: list[PairResult] = []
+    with console.status(PAIRS[0].name) as status:
+        for result in compare_pairs(poses, seed, tolerance):
+            results.append(result)
+            show(console, title(result), result.rows)
+            status.update(f"{len(results)} of {len(PAIRS)} pairs done")
+    return results
+
+
+def show(console: Console, heading: str, rows: Sequence[Row]) -> None:
+    """Print a heading and its table."""
+    console.print(heading, style="bold")
+    console.print(table(rows), "")
+
+
+def title(result: PairResult) -> str:
     """The pair in one line."""
-    a, b = outcome.triangles
-    inside = f", {outcome.contained} of them inside" if outcome.contained else ""
-    hits = f"{100 * outcome.hit_share:.0f} % hits{inside}"
-    return f"{outcome.pair}: {a} and {b} triangles, {outcome.poses} poses, {hits}"
+    a, b = result.triangles
+    inside = f", {result.contained} of them inside" if result.contained else ""
+    hits = f"{100 * result.hit_share:.0f} % hits{inside}"
+    return f"{result.pair}: {a} and {b} triangles, {result.poses} poses, {hits}"
 
 
 def table(rows: Sequence[Row]) -> Table:
-    """Methods downward, what was measured across."""
+    """A table with a row for each method."""
     from rich.table import Table
 
-    made = Table(box=None, pad_edge=False)
-    made.add_column("", no_wrap=True, min_width=9)
+    grid = Table(box=None, pad_edge=False)
+    grid.add_column("", no_wrap=True, min_width=9)
     for column in COLUMNS:
-        made.add_column(column, justify="right", no_wrap=True)
+        grid.add_column(column, justify="right", no_wrap=True)
     for row in rows:
-        made.add_row(
+        grid.add_row(
             row.method,
             _share(row.precision),
             _share(row.recall),
@@ -106,7 +116,7 @@ def table(rows: Sequence[Row]) -> Table:
             f"{row.tests:,.0f}",
             f"{row.microseconds:.1f}",
         )
-    return made
+    return grid
 
 
 def _share(value: float | None) -> str:
@@ -127,29 +137,29 @@ def as_dict(row: Row) -> dict[str, str | int | float | None]:
     }
 
 
-def to_json(outcomes: Sequence[Outcome], overall: Sequence[Row], settings: dict[str, float]) -> str:
+def to_json(results: Sequence[PairResult], rows: Sequence[Row], settings: dict[str, float]) -> str:
     """One document: settings, pairs, all pairs together."""
     import json
 
     pairs = [
         {
-            "pair": outcome.pair,
-            "triangles": outcome.triangles,
-            "hit_share": outcome.hit_share,
-            "contained": outcome.contained,
-            "methods": [as_dict(row) for row in outcome.rows],
+            "pair": result.pair,
+            "triangles": result.triangles,
+            "hit_share": result.hit_share,
+            "contained": result.contained,
+            "methods": [as_dict(row) for row in result.rows],
         }
-        for outcome in outcomes
+        for result in results
     ]
-    document = {"settings": settings, "pairs": pairs, "overall": [as_dict(r) for r in overall]}
+    document = {"settings": settings, "pairs": pairs, "overall": [as_dict(row) for row in rows]}
     return json.dumps(document, indent=1)
 
 
-def write_csv(path: Path, outcomes: Sequence[Outcome]) -> None:
-    """A line for each pair and method."""
+def write_csv(path: Path, results: Sequence[PairResult]) -> None:
+    """Write a line for each pair and method."""
     import csv
 
-    rows = [{"pair": o.pair, **as_dict(row)} for o in outcomes for row in o.rows]
+    rows = [{"pair": result.pair, **as_dict(row)} for result in results for row in result.rows]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
@@ -157,7 +167,7 @@ def write_csv(path: Path, outcomes: Sequence[Outcome]) -> None:
 
 
 def draw(path: Path, rows: Sequence[Row]) -> None:
-    """Bars of precision and recall, method by method."""
+    """Draw bars of precision and recall for each method."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 3.8), layout="constrained")

@@ -1,4 +1,4 @@
-"""The comparison: its truth against others, its counts, and what the command prints and writes."""
+"""The comparison: its truth against other libraries, its counts, and the command's output."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import trimesh
 from typer.testing import CliRunner
 
 from fgenv.bench.common.meshes import Mesh
-from fgenv.bench.comparison import PAIRS, Outcome, Row, compare_pair, over_all
+from fgenv.bench.comparison import PAIRS, PairResult, Row, compare_pair, overall
 from fgenv.bench.peers.ground_truth import Truth, part_points, winding_numbers
 from fgenv.cli import app
 
@@ -22,13 +22,13 @@ def body(mesh: trimesh.Trimesh) -> Mesh:
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> list[Outcome]:
+def results() -> list[PairResult]:
     """The two pairs with the fewest triangles, 60 poses each."""
     return [compare_pair(PAIRS[k], 60, np.random.default_rng(k), 1e-3) for k in (1, 3)]
 
 
-def row(outcome: Outcome, method: str) -> Row:
-    return next(row for row in outcome.rows if row.method == method)
+def row(result: PairResult, method: str) -> Row:
+    return next(row for row in result.rows if row.method == method)
 
 
 def test_winding_numbers_of_nested_shells() -> None:
@@ -52,7 +52,7 @@ def test_winding_numbers_agree_with_signed_distance_on_a_real_mesh() -> None:
     assert ((np.abs(winding_numbers(points, mesh)) > 0.5) == (signed < 0)).all()
 
 
-def test_truth_knows_containment_both_ways_and_of_each_part() -> None:
+def test_truth_includes_containment_both_ways_and_of_each_part() -> None:
     at = np.eye(4)
     ball, core = body(trimesh.creation.icosphere(2)), body(trimesh.creation.icosphere(1, 0.1))
     assert Truth(ball, core, at).collides(at)
@@ -78,41 +78,41 @@ def test_six_pairs_of_different_watertight_concave_meshes_from_three_packages() 
         assert abs(solid.volume) < 0.75 * solid.convex_hull.volume
 
 
-def test_methods_are_as_the_method_page_says(outcomes: list[Outcome]) -> None:
-    for outcome in outcomes:
-        assert 0.3 <= outcome.hit_share <= 0.5
-        assert (row(outcome, "exact").precision, row(outcome, "exact").recall) == (1.0, 1.0)
+def test_errors_of_each_method_are_as_documented(results: list[PairResult]) -> None:
+    for result in results:
+        assert 0.3 <= result.hit_share <= 0.5
+        assert (row(result, "exact").precision, row(result, "exact").recall) == (1.0, 1.0)
         for method in ("crease", "tolerance"):
-            assert row(outcome, method).false_hits == 0
+            assert row(result, method).false_hits == 0
         for method in ("AABB", "OBB", "sphere", "hull", "grid"):
-            if not outcome.contained:
-                assert row(outcome, method).missed == 0
-            assert row(outcome, method).false_hits > row(outcome, "exact").false_hits
-        assert row(outcome, "hull").false_hits <= row(outcome, "OBB").false_hits
-    overall = {row.method: row for row in over_all(outcomes)}
-    assert overall["loop"].recall is not None
-    assert overall["loop"].recall < 1.0
-    assert overall["loop"].false_hits > 0
+            if not result.contained:
+                assert row(result, method).missed == 0
+            assert row(result, method).false_hits > row(result, "exact").false_hits
+        assert row(result, "hull").false_hits <= row(result, "OBB").false_hits
+    total = {row.method: row for row in overall(results)}
+    assert total["loop"].recall is not None
+    assert total["loop"].recall < 1.0
+    assert total["loop"].false_hits > 0
 
 
-def test_counts_add_up_and_tests_are_the_published_walk(outcomes: list[Outcome]) -> None:
-    for outcome in outcomes:
-        hits = round(outcome.hit_share * outcome.poses)
-        assert all(row.hits + row.missed == hits for row in outcome.rows)
-        assert all(row.microseconds > 0.0 for row in outcome.rows)
-        assert [row(outcome, m).tests for m in ("AABB", "OBB", "sphere", "hull")] == [1, 1, 1, 1]
-        counts = [row(outcome, m).tests for m in ("loop", "crease", "tolerance", "exact")]
+def test_counts_add_up_and_tests_are_the_published_walk(results: list[PairResult]) -> None:
+    for result in results:
+        hits = round(result.hit_share * result.poses)
+        assert all(row.hits + row.missed == hits for row in result.rows)
+        assert all(row.microseconds > 0.0 for row in result.rows)
+        assert [row(result, m).tests for m in ("AABB", "OBB", "sphere", "hull")] == [1, 1, 1, 1]
+        counts = [row(result, m).tests for m in ("loop", "crease", "tolerance", "exact")]
         assert counts == sorted(counts)
-    total = over_all(outcomes)
+    total = overall(results)
     for k, merged in enumerate(total):
-        assert merged.hits == sum(outcome.rows[k].hits for outcome in outcomes)
+        assert merged.hits == sum(result.rows[k].hits for result in results)
 
 
-def test_same_seed_same_verdicts(outcomes: list[Outcome]) -> None:
+def test_same_seed_same_verdicts(results: list[PairResult]) -> None:
     again = compare_pair(PAIRS[3], 60, np.random.default_rng(3), 1e-3)
     counts = [
-        [(row.method, row.hits, row.false_hits, row.missed, row.tests) for row in outcome.rows]
-        for outcome in (again, outcomes[1])
+        [(row.method, row.hits, row.false_hits, row.missed, row.tests) for row in result.rows]
+        for result in (again, results[1])
     ]
     assert counts[0] == counts[1]
 
@@ -148,7 +148,7 @@ def test_command_writes_json_csv_and_a_picture(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_command_refuses_a_tolerance_that_is_none() -> None:
+def test_command_refuses_a_tolerance_of_zero() -> None:
     done = CliRunner().invoke(app, ["compare", "--tolerance", "0"])
     assert isinstance(done.exception, ValueError)
-    assert "tolerance is 0.0" in str(done.exception)
+    assert "tolerance: got 0.0" in str(done.exception)

@@ -82,9 +82,7 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
 
 
 def test_start_and_goal_in_collision_name_the_body() -> None:
-    with pytest.raises(
-        PlanningError, match=r"start of 'robot': collides with wall 1, or is closer"
-    ):
+    with pytest.raises(PlanningError, match=r"start of 'robot': collides with wall 1, or"):
         rrt_connect(wall_with_a_gap(), (0.0, 1.5, 0.0))
     with pytest.raises(PlanningError, match=r"goal of 'robot': .* wall -1 and wall 1, or"):
         rrt_connect(wall_with_a_gap(goal=(0.0, 0.0, 0.0)), START)
