@@ -1,10 +1,9 @@
-"""What the published paper compares with: boxes, a sphere, a hull, a grid. For comparison alone.
+"""The baselines of the published paper: boxes, sphere, hull and grid. For comparison only.
 
-Each is a class over one pair of meshes with `collides(Ta, Tb)` for world poses (4, 4), and
-`tests`: how many elementary tests (one box, sphere, hull or cell against another) the last query
-took. All cover the mesh's surface, so they miss nothing that touches; they report too much. A
-bounding volume calls a body inside another a hit as well, the grid covers surfaces only and
-doesn't.
+Each is a class for one pair of meshes with `collides(Ta, Tb)` for world poses (4, 4), and `tests`:
+the number of elementary tests (a box, sphere, hull or cell against another) of the last query. All
+cover the mesh's surface: they report every contact of surfaces, and false ones. Bounding volumes
+also report a body inside another; the grid, which covers surfaces only, does not.
 """
 
 from __future__ import annotations
@@ -19,11 +18,11 @@ from fgenv.arrays import Floats
 
 TRIMESH: Any = trimesh  # parts of it have no annotations
 CROSS = -np.cross(np.eye(3)[:, None], np.eye(3)[None])  # CROSS[i] @ v = e_i x v
-SLACK = 1e-12  # of the size: rounding must not tell touching boxes apart
+SLACK = 1e-12  # relative to the size; boxes that touch overlap whatever the rounding
 
 
 class Mesh(Protocol):
-    """A mesh to bound; `Shape` is one."""
+    """A mesh, such as `Shape`."""
 
     @property
     def vertices(self) -> Floats:
@@ -35,34 +34,38 @@ class Mesh(Protocol):
 
 
 class Baseline(Protocol):
-    """One method over one pair of meshes."""
+    """A collision method for one pair of meshes."""
 
     tests: int  # elementary tests of the last query
 
     def collides(self, Ta: Floats, Tb: Floats) -> bool:
-        """Whether the bounds meet with the two bodies at world poses (4, 4); touching counts."""
+        """Whether the bounds overlap at world poses (4, 4) of the bodies; touching counts."""
 
 
 def hull(mesh: Mesh) -> trimesh.Trimesh:
-    """The convex hull, wound outward; only the vertices that faces use count."""
+    """The convex hull of the vertices that faces use, with outward winding."""
     used = np.unique(mesh.faces)
     points = np.asarray(mesh.vertices)[used]
-    found: trimesh.Trimesh = TRIMESH.convex.convex_hull(points)
-    return found
+    convex: trimesh.Trimesh = TRIMESH.convex.convex_hull(points)
+    return convex
 
 
 def move(T: Floats, points: Floats) -> Floats:
-    """Points (n, 3) by the pose (4, 4)."""
+    """Transform points (n, 3) by a pose (4, 4)."""
     return np.asarray(points @ T[:3, :3].T + T[:3, 3])
 
 
 def boxes_overlap(
     rotation: Floats, offset: Floats, half_a: Floats, half_b: Floats
 ) -> NDArray[np.bool_]:
-    """Whether boxes meet (...), by the 15 separating axes (Gottschalk, Lin, Manocha 1996).
+    """Whether boxes overlap (...), by the 15 separating axes (Gottschalk, Lin, Manocha 1996).
 
-    All in a's frame: rotation (3, 3) of b, offset (..., 3) from a's center to b's; half_a, half_b
-    (3,) are half sides. Touching counts.
+    Touching counts.
+
+    Args:
+        rotation: (3, 3) of b in a's frame.
+        offset: (..., 3) from a's center to b's in a's frame.
+        half_a, half_b: (3,) half sides.
     """
     crosses = (CROSS @ rotation).transpose(0, 2, 1).reshape(9, 3)
     axes = np.concatenate((np.eye(3), rotation.T, crosses))  # (15, 3)
@@ -72,7 +75,7 @@ def boxes_overlap(
 
 
 class Aabb:
-    """World axis-aligned box of the posed mesh, drawn anew for each pose from its hull."""
+    """World axis-aligned box of the posed mesh, computed from its hull at each pose."""
 
     def __init__(self, a: Mesh, b: Mesh) -> None:
         self._a, self._b = (np.array(hull(m).vertices).T.copy() for m in (a, b))  # (3, n)
@@ -88,7 +91,7 @@ class Aabb:
 
 
 class Obb:
-    """The box of least volume around each mesh (trimesh's), turning with it."""
+    """The oriented box of least volume around each mesh, by trimesh."""
 
     def __init__(self, a: Mesh, b: Mesh) -> None:
         (self._box_a, self._half_a), (self._box_b, self._half_b) = self._bound(a), self._bound(b)
@@ -100,7 +103,7 @@ class Obb:
         points = np.asarray(hull(mesh).vertices)
         inverse, _ = TRIMESH.bounds.oriented_bounds(points)
         box = np.linalg.inv(inverse)
-        local = move(inverse, points)  # measured again: the box must hold every vertex
+        local = move(inverse, points)  # measured again, so that the box contains every vertex
         box[:3, 3] = move(box, 0.5 * (local.min(axis=0) + local.max(axis=0)))
         return box, 0.5 * np.ptp(local, axis=0)
 
@@ -122,7 +125,7 @@ class Sphere:
 
     @staticmethod
     def _bound(mesh: Mesh) -> tuple[Floats, float]:
-        """Center (3,) and radius; the radius is measured again, so it holds every vertex."""
+        """Center (3,) and radius, measured again so that the sphere contains every vertex."""
         points = np.asarray(hull(mesh).vertices)
         center, _ = TRIMESH.nsphere.minimum_nsphere(points)
         return center, float(np.linalg.norm(points - center, axis=1).max())
@@ -142,7 +145,7 @@ class Hull:
             import fcl
         except ImportError:
             raise ModuleNotFoundError(
-                'hulls are tested by python-fcl: install it with pip install "fgenv[bench]"'
+                'fcl: not installed, expected for hulls; run pip install "fgenv[bench]"'
             ) from None
         self._fcl: Any = fcl
         self._a, self._b = (fcl.CollisionObject(self._convex(hull(m))) for m in (a, b))
@@ -150,7 +153,7 @@ class Hull:
         self.tests = 0
 
     def _convex(self, mesh: trimesh.Trimesh) -> Any:
-        polygons = np.insert(mesh.faces, 0, 3, axis=1)  # each face: its count, then its corners
+        polygons = np.insert(mesh.faces, 0, 3, axis=1)  # per face: number of corners, then corners
         return self._fcl.Convex(np.array(mesh.vertices), len(polygons), polygons.ravel())
 
     def collides(self, Ta: Floats, Tb: Floats) -> bool:
@@ -163,16 +166,16 @@ class Hull:
 
 
 class Grid:
-    """A uniform grid in each body's frame; the cells that its surface meets are boxes.
+    """Boxes of a uniform grid in each body's frame: the cells that intersect its surface.
 
-    Each cell of b is tested against the cells of a that its axis-aligned bound (a's frame) meets,
-    until the first hit: `tests` counts those pairs.
+    Each cell of b is tested against the cells of a that overlap its axis-aligned bound in a's
+    frame, until the first hit. `tests` counts these pairs.
     """
 
     def __init__(self, a: Mesh, b: Mesh, cells: int = 32) -> None:
         """`cells` along the longest side of each body."""
         self._cell_a, self._origin_a, ijk = voxels(a, cells)
-        self._filled = np.zeros(ijk.max(axis=0) + 1, bool)  # dense: one look-up a cell
+        self._filled = np.zeros(ijk.max(axis=0) + 1, bool)  # dense, for one look-up per cell
         self._filled[tuple(ijk.T)] = True
         self._cell_b, origin_b, ijk = voxels(b, cells)
         self._centers_b = origin_b + (ijk + 0.5) * self._cell_b
@@ -191,54 +194,55 @@ class Grid:
         return hit
 
     def _offset(self, centers: Floats, b: NDArray[np.int64], ijk: NDArray[np.int64]) -> Floats:
-        """From the centers of a's cells ijk (k, 3) to those of b's cells (k,), a's frame."""
+        """Offsets from the centers of a's cells ijk (k, 3) to b's cells (k,), in a's frame."""
         return centers[b] - (self._origin_a + (ijk + 0.5) * self._cell_a)
 
     def _near(
-        self, places: Floats, rotation: Floats
+        self, centers: Floats, rotation: Floats
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Pairs of cells to test: a's cells (k, 3) and the index of b's (k,).
+        """Pairs of cells to test: a's cells (k, 3) and the indices of b's (k,).
 
-        `places` (n, 3) are the centers of b's cells from the grid's origin, in a's frame.
+        `centers` (n, 3) of b's cells are relative to a's grid, in a's frame.
         """
         reach = 0.5 * self._cell_b * np.abs(rotation).sum(axis=1) + SLACK * self._cell_b
-        low = np.floor((places - reach) / self._cell_a).astype(np.int64)
+        low = np.floor((centers - reach) / self._cell_a).astype(np.int64)
         span = np.ceil(2.0 * reach / self._cell_a).astype(np.int64) + 1
         block = np.stack(np.meshgrid(*map(np.arange, span), indexing="ij"), -1).reshape(-1, 3)
         near = np.flatnonzero(np.all((low + span > 0) & (low < self._filled.shape), axis=1))
         ijk = (low[near, None] + block).reshape(-1, 3)
         b = np.repeat(near, len(block))
-        there = np.all((ijk >= 0) & (ijk < self._filled.shape), axis=1)
-        ijk, b = ijk[there], b[there]
+        inside = np.all((ijk >= 0) & (ijk < self._filled.shape), axis=1)
+        ijk, b = ijk[inside], b[inside]
         filled = self._filled[tuple(ijk.T)]
         return ijk[filled], b[filled]
 
 
 def voxels(mesh: Mesh, cells: int) -> tuple[float, Floats, NDArray[np.int64]]:
-    """Cell side (meters), origin (3,) and the cells (k, 3) that the surface meets, none left out.
+    """Cell side (meters), origin (3,) and all cells (k, 3) that intersect the surface.
 
-    `cells` along the longest side of the bounding box. Each triangle is tested against the cells
-    of its bound by the other 10 of the 13 separating axes of Akenine-Moller (2001).
+    There are `cells` cells along the longest side of the bounding box. Each triangle is tested
+    against the cells of its bound by the other 10 of the 13 separating axes of Akenine-Moller
+    (2001).
     """
     corners = np.asarray(mesh.vertices)[mesh.faces]  # (m, 3, 3)
     origin = corners.min(axis=(0, 1))
     side = float((corners.max(axis=(0, 1)) - origin).max()) / cells
-    origin = origin - 0.5 * side  # flat outer faces then lie within cells, not between two
-    corners = (corners - origin) / side  # cells are unit cubes at whole numbers
+    origin = origin - 0.5 * side  # flat outer faces lie within cells, not between two
+    corners = (corners - origin) / side  # cells are unit cubes
     edges = np.roll(corners, -1, axis=1) - corners
     crosses = np.cross(edges[:, :, None], np.eye(3)).reshape(-1, 9, 3)
     axes = np.concatenate((crosses, np.cross(edges[:, :1], edges[:, 1:2])), axis=1)  # (m, 10, 3)
     spread = np.einsum("mai,mvi->mva", axes, corners)  # (m, 3, 10)
     reach = 0.5 * np.abs(axes).sum(axis=2) + 1e-9
-    low, high = spread.min(axis=1) - reach, spread.max(axis=1) + reach  # of a cell's middle
+    low, high = spread.min(axis=1) - reach, spread.max(axis=1) + reach  # of a cell's center
     first = np.floor(corners.min(axis=1)).astype(np.int64)
     count = np.floor(corners.max(axis=1)).astype(np.int64) - first + 1
-    found = []
+    filled = []
     for f in range(len(corners)):
         ijk = first[f] + np.indices(count[f]).reshape(3, -1).T
-        middle = (ijk + 0.5) @ axes[f].T
-        found.append(ijk[np.all((low[f] <= middle) & (middle <= high[f]), axis=1)])
-    return side, origin, np.unique(np.concatenate(found), axis=0)
+        center = (ijk + 0.5) @ axes[f].T
+        filled.append(ijk[np.all((low[f] <= center) & (center <= high[f]), axis=1)])
+    return side, origin, np.unique(np.concatenate(filled), axis=0)
 
 
 BASELINES: dict[str, type[Aabb] | type[Obb] | type[Sphere] | type[Hull] | type[Grid]] = {

@@ -1,23 +1,23 @@
 """The published feature-graph algorithm, step by step, in plain NumPy.
 
 Ma Li, Wang Qiang et al., "a collision detection method based on the feature graph of objects",
-with its section numbers (2.1 to 2.5). It is the reference that the native method ``loop`` is held
-to, and it is as unsound as published: chords cut through the body and across concavities, and the
-target's corners are never asked. Use ``exact`` for the truth.
+with its section numbers (2.1 to 2.5). It is the oracle of the native method ``loop``. It is
+unsound, as published: chords cut through the body and across concavities, and the target's corners
+are not tested. Use ``exact`` for correct results.
 
-Meshes are taken as given: repaired, with shared vertices. The definitions that decide:
+Meshes are expected to be repaired, with shared vertices. The definitions:
 
 - Order (2.1). Faces in index order; of each face the edges (0, 1), (1, 2), (2, 0). An edge with
-  exactly two faces that run along it in opposite directions is examined when first met; if it is a
-  feature its end points A, B, in the direction that this first face runs, are appended unless they
-  are there already. All other edges (one face, three and more, two wound alike) have no dihedral
-  angle and give no feature points.
-- Angle (2.1). n = (P1 - P0) x (P2 - P0), made unit, for the face met first (n1) and the other
+  exactly two faces that run along it in opposite directions is examined at its first face. The end
+  points A, B of a feature, in the direction of this first face, are appended unless they are
+  already in the list. All other edges (one face, three and more, two with the same winding) have no
+  dihedral angle and give no feature points.
+- Angle (2.1). n = (P1 - P0) x (P2 - P0), normalized, of the first face (n1) and the other
   (n2); <n1, n2> = atan2(|n1 x n2|, n1 . n2) in [0, pi]. A face of zero area has n = 0.
 - Valley or ridge (2.1). Valley if the neighbor's vertex off the edge lies above the face's plane,
   (Q - A) . n1 > 0; otherwise ridge. Valley: theta = pi - <n1, n2>, a feature if
   theta < alpha_valley. Ridge: theta = pi + <n1, n2>, a feature if theta > alpha_ridge. A tie
-  within ANGLE_TIE is no feature, so that rounding cannot decide on regular solids.
+  within ANGLE_TIE is no feature, so that the result on regular solids does not depend on rounding.
 - Cycle (2.2). Points 0-1-2-...-(n-1)-0. n = 2 gives one segment; n < 2 gives none.
 - Packed matrix (2.2). The strict upper triangle row by row, bits (0,1), (0,2) ... (0,n-1), (1,2)
   ..., the first in the highest bit of byte 0 (np.packbits).
@@ -25,7 +25,7 @@ Meshes are taken as given: repaired, with shared vertices. The definitions that 
   parallel (s1 = s2, so also a segment within the plane) is no hit; else t = s1 / (s1 - s2), a hit
   if t is in [0, 1] and the point P1 + t (P2 - P1) lies on the inner side of, or on, each of the
   three edges. All tests are closed: an end point on the face, or the face's boundary, counts.
-  Computed without the division, so that poses in whole numbers are decided exactly.
+  There is no division in the code: results at poses in whole numbers are exact.
 """
 
 from __future__ import annotations
@@ -51,22 +51,22 @@ ANGLE_TIE = 1e-9  # rad
 
 
 def face_normals(vertices: Floats, faces: Ints) -> Floats:
-    """Outward normals (m, 3), not unit: (P1 - P0) x (P2 - P0)."""
+    """Outward normals (m, 3), not normalized: (P1 - P0) x (P2 - P0)."""
     p0, p1, p2 = (vertices[faces[:, k]] for k in range(3))
     return np.cross(p1 - p0, p2 - p0)
 
 
 def interior_edges(faces: Ints) -> Iterator[tuple[int, int, int, int]]:
-    """Each edge with a dihedral angle as (A, B, face met first, the other), in the order met."""
+    """Edges with a dihedral angle as (A, B, first face, other face), in the order of faces."""
     sides: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
     for f, face in enumerate(faces.tolist()):
         for k in range(3):
             a, b = face[k], face[(k + 1) % 3]
             sides.setdefault((min(a, b), max(a, b)), []).append((a, b, f))
-    for met in sides.values():  # a dict keeps the order in which its keys came
-        a, b, f = met[0]
-        if len(met) == 2 and met[1][:2] == (b, a):
-            yield a, b, f, met[1][2]
+    for uses in sides.values():  # in the order of insertion
+        a, b, f = uses[0]
+        if len(uses) == 2 and uses[1][:2] == (b, a):
+            yield a, b, f, uses[1][2]
 
 
 def feature_edges(
@@ -98,7 +98,7 @@ def feature_points(
     alpha_valley: float = ALPHA_VALLEY,
     alpha_ridge: float = ALPHA_RIDGE,
 ) -> Ints:
-    """The feature points V = {v_1 ... v_n} as vertex indices (n,), in the order found."""
+    """The feature points V = {v_1 ... v_n} as vertex indices (n,), in the order of their edges."""
     edges = feature_edges(vertices, faces, alpha_valley, alpha_ridge)
     order = dict.fromkeys(v for a, b, _ in edges for v in (a, b))
     return np.fromiter(order, np.int64, len(order))
@@ -116,20 +116,20 @@ def head_to_tail(n: int) -> Ints:
 
 
 def bit_of(i: Ints, j: Ints, n: int) -> Ints:
-    """Place of entry (i, j) of the symmetric n x n matrix in the packed triangle."""
+    """Index of entry (i, j) of the symmetric n x n matrix in the packed triangle."""
     low, high = np.minimum(i, j), np.maximum(i, j)
     return np.asarray(low * n - low * (low + 1) // 2 + high - low - 1)
 
 
 def pack(edges: Ints, n: int) -> Bytes:
-    """Edges (m, 2) as the packed adjacency matrix G, one triangle only."""
+    """Pack edges (m, 2) into the upper triangle of the adjacency matrix G."""
     bits = np.zeros(n * (n - 1) // 2, np.uint8)
     bits[bit_of(edges[:, 0], edges[:, 1], n)] = 1
     return np.packbits(bits)
 
 
 def unpack(packed: Bytes, n: int) -> NDArray[np.bool_]:
-    """The whole symmetric matrix G (n, n) of a packed one."""
+    """Unpack to the symmetric matrix G (n, n)."""
     dense = np.zeros((n, n), bool)
     dense[np.triu_indices(n, 1)] = np.unpackbits(packed, count=n * (n - 1) // 2)
     return dense | dense.T
@@ -139,7 +139,7 @@ def unpack(packed: Bytes, n: int) -> NDArray[np.bool_]:
 
 
 def motion_box(path: Floats) -> Floats:
-    """Projection of a polyline (k, 3) on the axes: the box (2, 3) of its lowest, highest values."""
+    """Project a polyline (k, 3) on the axes: the box (2, 3) of its lowest and highest values."""
     return np.stack((path.min(axis=0), path.max(axis=0)))
 
 
@@ -153,7 +153,7 @@ def in_box(position: Floats, box: Floats) -> bool:
 
 @dataclass
 class Node:
-    """One object of the model list; position and mesh are what the tests read."""
+    """One object of the model list."""
 
     id: int
     name: str
@@ -166,7 +166,7 @@ class Node:
 
     @property
     def position(self) -> Floats:
-        """Where the object is now (3,), world frame."""
+        """The object's position (3,), world frame."""
         return np.asarray(self.pose[:3, 3])
 
 
@@ -175,7 +175,7 @@ def extract(
     alpha_valley: float = ALPHA_VALLEY,
     alpha_ridge: float = ALPHA_RIDGE,
 ) -> None:
-    """Walk the model list: give each object its feature points and feature graph."""
+    """Compute the feature points and the feature graph of each object of the model list."""
     for node in model_list:
         found = feature_points(node.vertices, node.faces, alpha_valley, alpha_ridge)
         node.feature_points = node.vertices[found]
@@ -186,26 +186,26 @@ def extract(
 
 
 def candidates(model_list: Sequence[Node], mover: Node, path: Floats) -> list[Node]:
-    """The set v: all other objects whose position lies in the motion box of the path (k, 3)."""
+    """The set v: all other objects with their position in the motion box of the path (k, 3)."""
     box = motion_box(path)
     return [node for node in model_list if node is not mover and in_box(node.position, box)]
 
 
 def set_masks(model_list: Sequence[Node], mover: Node, path: Floats) -> None:
-    """Masks for a move along the path: 1 for the candidates and the mover, 0 for all others."""
+    """Set the masks for a motion along the path: 1 for candidates and mover, 0 for all others."""
     clear_masks(model_list)
     for node in (*candidates(model_list, mover, path), mover):
         node.collision_mask = 1
 
 
 def clear_masks(model_list: Sequence[Node]) -> None:
-    """All masks back to 0, as after a move."""
+    """Set all masks to 0, as after a motion."""
     for node in model_list:
         node.collision_mask = 0
 
 
 def must_test(mover: Node, other: Node) -> bool:
-    """Whether the two masks ANDed are not 0 (2.5 (5))."""
+    """Whether the two masks have a common bit (2.5 (5))."""
     return mover.collision_mask & other.collision_mask != 0
 
 
@@ -213,11 +213,8 @@ def must_test(mover: Node, other: Node) -> bool:
 
 
 def depth_first(packed: Bytes, n: int) -> Iterator[tuple[int, int]]:
-    """Each edge of the packed graph once, going on from the point just reached.
-
-    Neighbors are tried in rising order; with none left the walk turns back.
-    """
-    left = packed.copy()  # the edges not walked yet
+    """Each edge of the packed graph once, in depth-first order; neighbors in ascending order."""
+    left = packed.copy()  # edges that are not visited yet
     points = np.arange(n)
     for start in range(n):
         stack = [start]
@@ -236,24 +233,26 @@ def depth_first(packed: Bytes, n: int) -> Iterator[tuple[int, int]]:
 
 
 def segment_hits(p1: Floats, p2: Floats, corners: Floats, normals: Floats) -> NDArray[np.bool_]:
-    """Which faces (m,) the segment P1 + t (P2 - P1), t in [0, 1], meets: formula (3), closed.
+    """Mask (m,) of the faces that the segment P1 + t (P2 - P1), t in [0, 1], intersects.
+
+    Formula (3), closed.
 
     corners (m, 3, 3) of the faces and their normals (m, 3), of any length, in the segment's frame.
     """
     s1 = np.einsum("mi,mi->m", p1 - corners[:, 0], normals)
     s2 = np.einsum("mi,mi->m", p2 - corners[:, 0], normals)
     hits: NDArray[np.bool_] = (np.minimum(s1, s2) <= 0) & (np.maximum(s1, s2) >= 0) & (s1 != s2)
-    near = np.flatnonzero(hits)  # the plane is met; is the point in the face?
+    near = np.flatnonzero(hits)  # the segment intersects the face's plane
     t, w = np.abs(s1[near, None]), np.abs(s1[near, None] - s2[near, None])  # t = 0 ... w
     for k in range(3):
         v, end = corners[near, k], corners[near, (k + 1) % 3]
-        from_v = w * (p1 - v) + t * (p2 - p1)  # undivided: whole numbers stay exact
+        from_v = w * (p1 - v) + t * (p2 - p1)  # no division: whole numbers stay exact
         hits[near] &= np.einsum("mi,mi->m", np.cross(end - v, from_v), normals[near]) >= 0.0
     return hits
 
 
 def collides(mover: Node, target: Node) -> bool:
-    """Walk the mover's graph; True at the first edge that meets a face of the target."""
+    """Whether an edge of the mover's graph intersects a face of the target."""
     points = mover.feature_points @ mover.pose[:3, :3].T + mover.pose[:3, 3]
     vertices = target.vertices @ target.pose[:3, :3].T + target.pose[:3, 3]
     corners, normals = vertices[target.faces], face_normals(vertices, target.faces)
@@ -265,21 +264,21 @@ def collides(mover: Node, target: Node) -> bool:
 
 @dataclass(frozen=True)
 class Collision:
-    """What goes to the collision handler: the pair, the mover's position, the way gone (meters)."""
+    """The collision handler's data: the pair, the mover's position, its distance along the path."""
 
     mover: int  # ids
     other: int
     position: Floats  # (3,)
-    distance: float
+    distance: float  # meters
 
 
 def move(
     model_list: Sequence[Node], mover: Node, path: Floats, step: float = 0.01
 ) -> Collision | None:
-    """The flow of figure 6: set masks, move along the path (k, 3), test, stop at a collision.
+    """Figure 6: set masks, move along the path (k, 3), test, stop at a collision.
 
-    The mover keeps its rotation and stays where it stopped; the path is tested every `step`
-    meters at most. Returns the first collision, or None at the goal. Masks are 0 afterwards.
+    The mover keeps its rotation and stays at the collision. There are at most `step` meters
+    between two tests. Returns the first collision, or None at the goal. Masks are 0 afterwards.
     """
     set_masks(model_list, mover, path)
     try:
@@ -295,7 +294,7 @@ def move(
 
 
 def positions(path: Floats, step: float) -> Iterator[tuple[Floats, float]]:
-    """Positions (3,) on the polyline, corners included, each with the way gone (meters)."""
+    """Positions (3,) on the polyline, corners included, with their distance along it (meters)."""
     yield path[0], 0.0
     gone = 0.0
     for start, end in pairwise(path):

@@ -3,7 +3,6 @@
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,19 +15,18 @@ from fgenv.paper.scene import model_list, robot_shape
 from fgenv.paper.timed_path import as_path, radius_of, refine
 from fgenv.planners import (
     Certificate,
-    Layout,
     PlanningError,
     Problem,
+    StateLayout,
     StateValidityChecker,
-    Steering,
     certify,
-    space_of,
+    state_space,
 )
+from fgenv.planners.ompl.simplify import simplify
 from fgenv.planners.ompl.states import StateBuffer
 
 RESOLUTION = 0.02  # m between checked states, and between measurements of the clearance
 YAW_WEIGHT = 0.5  # of OMPL's SE2
-SHORTENING_ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -106,8 +104,9 @@ def _search(
 
     The error is returned: its traceback would keep OMPL's objects alive.
     """
-    layout, box = Layout(problem.models[0], Steering()), workspace(problem, radius)
-    space = space_of(layout, box)
+    robot, box = problem.models[0], workspace(problem, radius)
+    layout = StateLayout(robot, robot.steering("straight"))
+    space = state_space(layout, box)
     space.setSubspaceWeight(1, YAW_WEIGHT)
     si = ob.SpaceInformation(space)
     # OMPL expects a fraction of each subspace's extent: the rectangle's diagonal, and pi.
@@ -127,20 +126,11 @@ def _search(
     setup.solve(stop)
     path = None
     if setup.haveExactSolutionPath() and validity.error is None:
-        path = _shortened(si, setup.getSolutionPath(), buffer)
+        solution = setup.getSolutionPath()
+        simplify(si, solution)
+        path = as_path([buffer.read(state) for state in solution.getStates()])
         path[:, 2] += ends[0][2] - path[0, 2]  # full turns, which OMPL removes
     return path, validity.checks, validity.error
-
-
-def _shortened(si: Any, path: Any, buffer: StateBuffer) -> Floats:
-    """A shorter path by a fixed number of rounds; OMPL's `simplify` depends on the clock."""
-    simplifier = og.PathSimplifier(si)
-    for _ in range(SHORTENING_ROUNDS):
-        simplifier.ropeShortcutPath(path)
-        simplifier.reduceVertices(path)
-        simplifier.partialShortcutPath(path)
-    simplifier.reduceVertices(path)
-    return as_path([buffer.read(path.getState(k)) for k in range(path.getStateCount())])
 
 
 def workspace(problem: Problem, radius: float) -> Floats:

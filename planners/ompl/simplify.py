@@ -17,24 +17,31 @@ ROUNDS = 4
 def simplified(made: Setup, states: Floats) -> Floats:
     """Shorten a path of joint states (m, size); its motions are checked again.
 
-    The number of steps is fixed, unlike in OMPL's own simplification, which is limited by time.
     Where robots steer, only vertices are removed: OMPL's shortcuts interpolate along straight
     motions.
     """
-    simplifier = og.PathSimplifier(made.getSpaceInformation())
     path = _path(made, states)
     straight = all(layout.steering.method == "straight" for layout in made.layouts)
-    for _ in range(ROUNDS):
-        if straight:
-            simplifier.ropeShortcutPath(path)
-        simplifier.reduceVertices(path)
-        if straight:
-            simplifier.partialShortcutPath(path)
-    simplifier.reduceVertices(path)
+    simplify(made.getSpaceInformation(), path, straight)
     if made.motions.error is not None:
         raise made.motions.error
     shorter = made.states_of(path)
     return shorter if made.motions._core.free(shorter[:-1], shorter[1:]).all() else states
+
+
+def simplify(si: Any, path: Any, shortcuts: bool = True) -> None:
+    """Shorten OMPL's path in place, by shortcuts, if given, and by removing vertices.
+
+    The number of steps is fixed, unlike in OMPL's own simplification, which is limited by time.
+    """
+    simplifier = og.PathSimplifier(si)
+    for _ in range(ROUNDS):
+        if shortcuts:
+            simplifier.ropeShortcutPath(path)
+        simplifier.reduceVertices(path)
+        if shortcuts:
+            simplifier.partialShortcutPath(path)
+    simplifier.reduceVertices(path)
 
 
 def _path(made: Setup, states: Floats) -> Any:

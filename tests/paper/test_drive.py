@@ -95,7 +95,7 @@ def test_drive_stops_at_the_last_free_step_and_leaves_no_mask() -> None:
 
 def test_an_error_leaves_no_mask(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = corridor()
-    monkeypatch.setattr("fgenv.paper.drive.contact", lambda *_: None)
+    monkeypatch.setattr("fgenv.paper.drive.contact_point", lambda *_: None)
     with pytest.raises(RuntimeError, match="neither certified free of post"):
         drive(problem, STRAIGHT)
     assert list(masks(problem.world).values()) == [0, 0]
