@@ -36,7 +36,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "ompl.spaces": ("StateLayout", "state_space"),
         "plan": ("Plan", "PlanError"),
         "problem": ("Problem",),
-        "steering": ("Steering", "legs"),
         "verification": ("verify",),
     },
 )
