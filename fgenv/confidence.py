@@ -1,4 +1,4 @@
-"""Confidence intervals of 95 %: of rates, and of means."""
+"""95 % confidence intervals of rates and means."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-NORMAL = 1.959963984540054  # its 97.5 % point
+NORMAL = 1.959963984540054  # 97.5 % point of the normal distribution
 SAMPLES, SEED = 2000, 0  # of the bootstrap
 
 
 class Estimate(NamedTuple):
-    """A number, and between what it is with 95 % confidence; NaN where there is nothing to tell."""
+    """An estimate with its 95 % confidence interval; NaN without data."""
 
     value: float
     low: float
@@ -21,12 +21,12 @@ class Estimate(NamedTuple):
 
 
 def rate(successes: float, trials: int) -> Estimate:
-    """Share of successes, with Wilson's interval.
+    """Return the share of successes with Wilson's interval.
 
     E. B. Wilson, "Probable inference, the law of succession, and statistical inference", 1927.
 
     Raises:
-        ValueError: more successes than trials, or fewer than none.
+        ValueError: successes below 0, or more than trials.
     """
     if not 0 <= successes <= trials:
         raise ValueError(f"successes: got {successes}, expected 0 to {trials}")
@@ -40,7 +40,7 @@ def rate(successes: float, trials: int) -> Estimate:
 
 
 def mean(values: Sequence[float]) -> Estimate:
-    """Mean, with the percentile interval of a bootstrap; the same for the same values.
+    """Return the mean with the percentile interval of a bootstrap of a fixed seed.
 
     B. Efron, "Bootstrap methods: another look at the jackknife", 1979.
     """

@@ -1,4 +1,4 @@
-"""How an episode went: per robot, and for all together."""
+"""Results of episodes, per robot and in total."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from fgenv.robots import Robot
 
 @dataclass(frozen=True)
 class RobotResult:
-    """How one robot did.
+    """Result of one robot.
 
     Attributes:
-        arrival: seconds until it was at its goal; None: it never was.
-        collisions: steps in which it met something. A robot that was met at rest has none.
-        path_length: of its base, meters; of a fixed base, radians of all joints together.
-        unit: of that, m or rad.
-        least_clearance: meters to whatever was nearest after any step on the way; infinite where
-            nothing was there, or it was not measured.
+        arrival: time until the robot was at its goal, s; None: it did not arrive.
+        collisions: number of steps with a contact; a resting robot that is hit is not counted.
+        path_length: of the base, m; of a fixed base, the sum over its joints, rad.
+        unit: of the path length, m or rad.
+        least_clearance: least distance to another body after any step until arrival, m; infinite
+            without bodies, or if not measured.
     """
 
     name: str
@@ -35,21 +35,21 @@ class RobotResult:
 
     @property
     def success(self) -> bool:
-        """Whether it came to its goal and met nothing."""
+        """Whether the robot reached its goal without a collision."""
         return self.arrival is not None and self.collisions == 0
 
     def seconds_on_way(self, seconds: float) -> float:
-        """Until it was at its goal, else until the episode ended after so many seconds."""
+        """Return the time until arrival, or the given duration of the episode, s."""
         return seconds if self.arrival is None else self.arrival
 
 
 @dataclass(frozen=True)
 class Results:
-    """How an episode went.
+    """Results of an episode.
 
     Attributes:
         robots: in the scenario's order.
-        steps, seconds: that it took (simulated time).
+        steps, seconds: duration (simulated time).
     """
 
     robots: tuple[RobotResult, ...]
@@ -58,7 +58,7 @@ class Results:
 
     @classmethod
     def of(cls, source: Simulator | Record, world: int = 0) -> Results:
-        """Of a record, or of a simulator's world as it is now.
+        """Return the results of a record, or of a simulator's world up to now.
 
         Raises:
             ValueError: no such world.
@@ -69,39 +69,39 @@ class Results:
 
     @property
     def success_rate(self) -> float:
-        """Of the robots, 0 to 1: those that came to their goals and met nothing."""
+        """Share of robots that reached their goals without a collision, 0 to 1."""
         return sum(robot.success for robot in self.robots) / len(self.robots)
 
     @property
     def arrived(self) -> int:
-        """How many robots came to their goals."""
+        """Number of robots that reached their goals."""
         return sum(robot.arrival is not None for robot in self.robots)
 
     @property
     def collisions(self) -> int:
-        """Of all robots."""
+        """Number of steps with a contact, summed over robots."""
         return sum(robot.collisions for robot in self.robots)
 
     @property
     def makespan(self) -> float | None:
-        """Seconds until the last robot was at its goal; None where one never was."""
+        """Time until the last robot was at its goal, s; None if one did not arrive."""
         arrivals = self._arrivals
         return None if arrivals is None else max(arrivals)
 
     @property
     def sum_of_costs(self) -> float | None:
-        """Seconds of all robots until they were at their goals; None where one never was."""
+        """Sum of the arrival times, s; None if a robot did not arrive."""
         arrivals = self._arrivals
         return None if arrivals is None else math.fsum(arrivals)
 
     @property
     def least_clearance(self) -> float:
-        """Meters, of all robots."""
+        """Least clearance of all robots, m."""
         return min(robot.least_clearance for robot in self.robots)
 
     @property
     def facts(self) -> dict[str, Any]:
-        """All of that as plain values for JSON, where null is in place of infinite."""
+        """Plain values for JSON, with null for infinite numbers."""
         return {
             "steps": self.steps,
             "seconds": self.seconds,
@@ -128,12 +128,12 @@ class Results:
 
 
 def finite(x: float) -> float | None:
-    """The number, None where it is infinite."""
+    """Return the number, or None if it is infinite."""
     return x if math.isfinite(x) else None
 
 
 def of_world(simulator: Simulator, world: int) -> Results:
-    """Of the episode that a world is in."""
+    """Return the results of a world's current episode."""
     if not 0 <= world < simulator.n_worlds:
         raise ValueError(f"world: got {world}, expected 0 to {simulator.n_worlds - 1}")
     columns = zip(
@@ -150,33 +150,33 @@ def of_world(simulator: Simulator, world: int) -> Results:
 
 
 def of_record(record: Record) -> Results:
-    """Of the episode in a record."""
-    found = []
+    """Return the results of a recorded episode."""
+    results = []
     for i, robot in enumerate(record.scenario.build().robots):
-        there = np.flatnonzero(record["status"][1:, i])
-        step = int(there[0]) + 1 if len(there) else -1
+        arrived = np.flatnonzero(record["status"][1:, i])
+        step = int(arrived[0]) + 1 if len(arrived) else -1
         hits = int((record["hits"][:, i] >= 0).sum())
         length = path_length(robot, record["configurations"][:, i, : robot.nq])
         clearance = float(record["clearances"][:, i].min(initial=math.inf))
-        found.append(result(robot, record.dt, step, hits, length, clearance))
-    return Results(tuple(found), len(record), len(record) * record.dt)
+        results.append(result(robot, record.dt, step, hits, length, clearance))
+    return Results(tuple(results), len(record), len(record) * record.dt)
 
 
 def result(
     robot: Robot, dt: float, step: int, hits: int, length: float, clearance: float
 ) -> RobotResult:
-    """Of one robot; `step` is that of its arrival, or -1."""
+    """Return the result of one robot; `step` is that of its arrival, or -1."""
     unit = "rad" if robot.base == "fixed" else "m"
     return RobotResult(robot.name, step * dt if step >= 0 else None, hits, length, unit, clearance)
 
 
 def path_length(robot: Robot, q: Floats) -> float:
-    """Of configurations (n, nq) one after another: meters of the base; a fixed one's radians."""
-    by = np.diff(q, axis=0)
+    """Return the length of a sequence of configurations (n, nq): m of the base, or rad if fixed."""
+    delta = np.diff(q, axis=0)
     if robot.base == "fixed":
-        around = np.round(by / (2 * np.pi)) * (2 * np.pi)
-        by = np.where(robot.endless, by - around, by)
+        turns = np.round(delta / (2 * np.pi)) * (2 * np.pi)
+        delta = np.where(robot.endless, delta - turns, delta)
     else:
-        by = by[:, : 2 if robot.base == "planar" else 3]
-    lengths = np.sqrt((by**2).sum(axis=1))
-    return float(np.cumsum(lengths)[-1]) if len(lengths) else 0.0  # in the simulator's order
+        delta = delta[:, : 2 if robot.base == "planar" else 3]
+    lengths = np.sqrt((delta**2).sum(axis=1))
+    return float(np.cumsum(lengths)[-1]) if len(lengths) else 0.0  # summed in the simulator's order

@@ -57,7 +57,7 @@ def test_another_version_is_told_whatever_is_in_it(tmp_path: Path) -> None:
     np.savez(tmp_path / "new.npz", **new)  # an array that this version cannot read
     with pytest.raises(
         OddError,
-        match="is 'fgenv odd 3', expected 'fgenv odd 2'; use the fgenv that wrote it, or make it",
+        match="got 'fgenv odd 3', expected 'fgenv odd 2'; use the fgenv that wrote it, or make it",
     ):
         ODD.load(tmp_path / "new.npz", lambda *found: found)
 

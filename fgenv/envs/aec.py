@@ -1,4 +1,4 @@
-"""PettingZoo: the robots of one world act in turn, and move when the last has acted."""
+"""PettingZoo AEC: the robots of one world act in turn, and move after the last action."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from .simulator import Source
 
 
 class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[misc]
-    """A FleetParallelEnv in turns; a bad action is told at its own turn."""
+    """A FleetParallelEnv in turns; an invalid action raises at its own turn."""
 
     env: FleetParallelEnv
 
     def step(self, action: Any) -> None:
-        """Act for `agent_selection`: (size,), None for one whose episode is over.
+        """Set the action (size,) of `agent_selection`; None if its episode is over.
 
         Raises:
-            ValueError: naming the robot, saying what came and what is expected. Nothing has
-                changed then.
+            ValueError: invalid action. The state is unchanged.
         """
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             if action is not None:
-                raise ValueError(f"action of {agent!r}: its episode is over, expected None")
+                raise ValueError(
+                    f"action of {agent!r}: got {action!r}, expected None: its episode is over"
+                )
         else:
             self.env.checked(agent, action)
         super().step(action)
@@ -37,7 +38,7 @@ class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[misc]
 
 
 class OrderedAECEnv(OrderEnforcingWrapper):  # type: ignore[misc]
-    """Says what is called too early; a copy is a deep one."""
+    """Raises for calls in the wrong order; a copy is a deep copy."""
 
     def __str__(self) -> str:
         return str(self.env)
@@ -53,6 +54,6 @@ def env(
     max_cycles: int | None = None,
     **options: Any,
 ) -> OrderedAECEnv:
-    """A scenario as a PettingZoo AECEnv; arguments and errors are those of `parallel_env`."""
+    """Return a scenario as a PettingZoo AECEnv; for arguments and errors see `parallel_env`."""
     world = parallel_env(scenario, render_mode=render_mode, max_cycles=max_cycles, **options)
     return OrderedAECEnv(FleetAECEnv(world))

@@ -1,4 +1,4 @@
-"""What is told of each robot's last step, beside observation and reward."""
+"""Infos of a step, beside observations and rewards."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from typing import Any
 from .simulator import Simulator
 from .state_readers import MOVING
 
-Told = dict[str, Any]
+Info = dict[str, Any]
 
 
-def infos(simulator: Simulator, world: int = 0) -> list[Told]:
-    """Of each robot of a world:
+def infos(simulator: Simulator, world: int = 0) -> list[Info]:
+    """Return the info of each robot of a world.
 
-    - `collision`: None, or a `Collision`: whom it met, where, when;
-    - `masked`: how many bodies its motion's mask left;
-    - `checks`: how many pairs of bodies were looked at;
-    - `success`: whether it has arrived;
-    - `clearance`: meters to what is nearest, where that is measured.
+    - `collision`: a `Collision` (with which body, where, when), or None;
+    - `masked`: number of bodies in the mask of its motion;
+    - `checks`: number of tested pairs of bodies;
+    - `success`: whether the robot has arrived;
+    - `clearance`: distance to the nearest body, m, if measured.
     """
     arrived = (simulator.status[world] != MOVING).tolist()
     masked, checks = simulator.masked[world].tolist(), simulator.checks[world].tolist()
-    told: list[Told] = [
+    rows: list[Info] = [
         {"collision": None, "masked": m, "checks": c, "success": s}
         for m, c, s in zip(masked, checks, arrived, strict=True)
     ]
-    if measured(simulator):
-        for info, clearance in zip(told, simulator.clearances[world].tolist(), strict=True):
+    if has_clearances(simulator):
+        for info, clearance in zip(rows, simulator.clearances[world].tolist(), strict=True):
             info["clearance"] = clearance
     if max(simulator.hits[world].tolist()) >= 0:
         for collision in simulator.collisions(world):
-            told[simulator.names.index(collision.robot)]["collision"] = collision
-    return told
+            rows[simulator.names.index(collision.robot)]["collision"] = collision
+    return rows
 
 
-def measured(simulator: Simulator) -> bool:
-    """Whether clearances are."""
+def has_clearances(simulator: Simulator) -> bool:
+    """Whether the simulator measures clearances."""
     return simulator.clearance or bool(simulator.reward.weights.get("closeness"))

@@ -16,23 +16,26 @@ from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pettingzoo.utils import ParallelEnv
 
-from .infos import Told, infos
+from fgenv.arrays import Floats, Floats32
+
+from .infos import Info, infos
+from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, Step
 from .spaces import action_box, observation_box, state_box, state_of
 
-Rows = dict[str, NDArray[np.float32]]
-Infos = dict[str, Told]
+Rows = dict[str, Floats32]
+Infos = dict[str, Info]
 
 
 class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
-    """One world of a simulator, each robot an agent by its name.
+    """One world of a simulator; the names of the robots are the agents.
 
-    A robot that arrives is terminated, and leaves `agents`. At the horizon all who are left are
-    truncated; where a collision ends the episode, all are terminated. Infos are those of `infos`.
+    A robot that arrives is terminated and leaves `agents`. At the horizon all other robots are
+    truncated; if a collision ends the episode, all are terminated. Infos are those of `infos`.
 
     Args:
         simulator: of one world, without autoreset.
@@ -48,7 +51,10 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def __init__(self, simulator: Simulator, render_mode: str | None = None) -> None:
         if simulator.n_worlds != 1 or simulator.autoreset:
-            raise ValueError("simulator: expected worlds=1, autoreset=False")
+            raise ValueError(
+                f"simulator: got worlds={simulator.n_worlds}, autoreset={simulator.autoreset},"
+                " expected worlds=1, autoreset=False"
+            )
         self.simulator, self.render_mode = simulator, render_mode
         self.possible_agents = list(simulator.names)
         self.agents: list[str] = []
@@ -57,29 +63,29 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
             "name": f"fgenv/{simulator.scenario.name}",
             "render_fps": 1.0 / simulator.dt,
         }
-        self._places = {name: i for i, name in enumerate(self.possible_agents)}
-        self._observation_spaces = [observation_box(simulator, i) for i in self._places.values()]
-        self._action_spaces = [action_box(simulator, i) for i in self._places.values()]
+        self._indices = {name: i for i, name in enumerate(self.possible_agents)}
+        self._observation_spaces = [observation_box(simulator, i) for i in self._indices.values()]
+        self._action_spaces = [action_box(simulator, i) for i in self._indices.values()]
         self._sizes = simulator.observation_sizes
         self._shapes = [(n,) for n in simulator.action_sizes]
-        self._alike = len(set(self._shapes)) == 1
+        self._uniform = len(set(self._shapes)) == 1
         self._screen = Screen(simulator, render_mode)
 
     def observation_space(self, agent: str) -> Box:
-        """Float32 (size,), see `Simulator.layouts`; the same object for each call."""
-        return self._observation_spaces[self._place(agent)]
+        """Return the space of observations (size,), see `Simulator.layouts`."""
+        return self._observation_spaces[self._index(agent)]
 
     def action_space(self, agent: str) -> Box:
-        """[-1, 1], float32 (size,), see `Simulator.action_names`; the same object each time."""
-        return self._action_spaces[self._place(agent)]
+        """Return the space [-1, 1] of actions (size,), see `Simulator.action_names`."""
+        return self._action_spaces[self._index(agent)]
 
     @cached_property
     def state_space(self) -> Box:
-        """Of `state`."""
+        """Space of `state`."""
         return state_box(self.simulator)
 
-    def state(self) -> NDArray[np.float32]:
-        """The time gone, and of all robots: configuration, goal, velocity, if it is on its way."""
+    def state(self) -> Floats32:
+        """Return the state of the world, see `fgenv.envs.spaces.state_of`."""
         if not self.simulator.begun:
             raise RuntimeError("state: before the first reset, call reset()")
         return state_of(self.simulator)
@@ -87,11 +93,12 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Rows, Infos]:
-        """Begin an episode: the first of a seed, or the next one. Options are not looked at."""
+        """Begin an episode: the first of a seed, or the next one. Options are ignored."""
         rows = self.simulator.reset(seed)[0]
         self.agents = list(self.possible_agents)
-        told = dict(zip(self.agents, infos(self.simulator), strict=True))
-        return self._rows(rows, self.agents), told
+        return self._rows(rows, self.agents), dict(
+            zip(self.agents, infos(self.simulator), strict=True)
+        )
 
     def step(
         self, actions: Mapping[str, ArrayLike]
@@ -99,48 +106,48 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         """Step with an action (size,) for each of `agents`.
 
         Raises:
-            ValueError: naming a robot that is missing, unknown or there already, or an action of
-                another shape or not finite. Nothing has changed then.
-            RuntimeError: nobody is on the way.
+            ValueError: actions of a missing, unknown or arrived robot, of a wrong shape, or not
+                finite. The state is unchanged.
+            RuntimeError: the episode is over.
         """
         if not self.agents:
-            raise RuntimeError("step: nobody is on the way, call reset()")
+            raise RuntimeError("step: no robot is moving; call reset()")
         simulator, acting = self.simulator, self.agents
-        done = self._stepped(actions)
-        over, late = bool(done.terminated[0]), bool(done.truncated[0])
-        places = [self._places[name] for name in acting]
-        rewards, told = done.rewards[0].tolist(), infos(simulator)
-        ends = [over or told[i]["success"] for i in places]
+        step = self._step(actions)
+        over, late = bool(step.terminated[0]), bool(step.truncated[0])
+        indices = [self._indices[name] for name in acting]
+        rewards, every = step.rewards[0].tolist(), infos(simulator)
+        ends = [over or every[i]["success"] for i in indices]
         self.agents = [n for n, end in zip(acting, ends, strict=True) if not (late or end)]
         return (
-            self._rows(done.observations[0], acting),
-            dict(zip(acting, [rewards[i] for i in places], strict=True)),
+            self._rows(step.observations[0], acting),
+            dict(zip(acting, [rewards[i] for i in indices], strict=True)),
             dict(zip(acting, ends, strict=True)),
             {name: late and not end for name, end in zip(acting, ends, strict=True)},
-            dict(zip(acting, [told[i] for i in places], strict=True)),
+            dict(zip(acting, [every[i] for i in indices], strict=True)),
         )
 
     def render(self) -> Frame | None:
-        """The frame (360, 480, 3) in mode `rgb_array`, else None; `human` is shown live."""
+        """Return the frame (360, 480, 3) in mode `rgb_array`, else None; `human` shows it live."""
         return self._screen.show()
 
     def close(self) -> None:
         """End the live view, if there is one."""
         self._screen.close()
 
-    def checked(self, agent: str, action: Any) -> NDArray[np.float64]:
-        """An action as numbers (size,).
+    def checked(self, agent: str, action: Any) -> Floats:
+        """Return an action as an array (size,).
 
         Raises:
-            ValueError: naming the robot, saying what came and what is expected.
+            ValueError: wrong shape, or not finite numbers.
         """
-        expected = self._shapes[self._place(agent)]
+        expected = self._shapes[self._index(agent)]
         try:
             numbers = np.asarray(action, dtype=np.float64)
         except (TypeError, ValueError):
             raise ValueError(f"action of {agent!r}: got {action!r}, expected numbers") from None
         if numbers.shape != expected:
-            raise ValueError(f"action of {agent!r}: shape {numbers.shape}, expected {expected}")
+            raise ValueError(f"action of {agent!r}: got shape {numbers.shape}, expected {expected}")
         if not np.isfinite(numbers).all():
             raise ValueError(
                 f"action of {agent!r}: got {numbers.tolist()}, expected finite numbers"
@@ -150,25 +157,25 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     def __copy__(self) -> FleetParallelEnv:
         return copy.deepcopy(self)
 
-    def _rows(self, rows: NDArray[np.float32], agents: list[str]) -> Rows:
-        places, sizes = self._places, self._sizes
-        return {name: rows[places[name], : sizes[places[name]]] for name in agents}
+    def _rows(self, rows: Floats32, agents: list[str]) -> Rows:
+        indices, sizes = self._indices, self._sizes
+        return {name: rows[indices[name], : sizes[indices[name]]] for name in agents}
 
-    def _stepped(self, actions: Mapping[str, ArrayLike]) -> Step:
+    def _step(self, actions: Mapping[str, ArrayLike]) -> Step:
         self._check_names(actions)
-        asked = np.zeros((1, len(self._places), self.simulator.action_size))
+        every = np.zeros((1, len(self._indices), self.simulator.action_size))
         try:
-            if self._alike:  # all at once is faster
+            if self._uniform:  # one array is faster
                 rows = np.array([actions[name] for name in self.agents], dtype=np.float64)
-                if rows.shape == asked.shape[1:]:
+                if rows.shape == every.shape[1:]:
                     return self.simulator.step(rows[None])
-                if rows.shape == (len(self.agents), asked.shape[2]):
-                    asked[0, [self._places[name] for name in self.agents]] = rows
-                    return self.simulator.step(asked)
+                if rows.shape == (len(self.agents), every.shape[2]):
+                    every[0, [self._indices[name] for name in self.agents]] = rows
+                    return self.simulator.step(every)
             for name in self.agents:
                 numbers = self.checked(name, actions[name])
-                asked[0, self._places[name], : len(numbers)] = numbers
-            return self.simulator.step(asked)
+                every[0, self._indices[name], : len(numbers)] = numbers
+            return self.simulator.step(every)
         except (TypeError, ValueError):
             for name in self.agents:
                 self.checked(name, actions[name])
@@ -180,16 +187,16 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
             raise TypeError(f"actions: got {kind}, expected a dict, an action for each of agents")
         for name in self.agents:
             if name not in actions:
-                raise ValueError(f"actions: none for {name!r}, expected one for each of agents")
+                raise ValueError(f"actions: got none for {name!r}, expected one for each of agents")
         if len(actions) > len(self.agents):
             name = next(name for name in actions if name not in self.agents)
-            self._place(name)
-            raise ValueError(f"actions: {name!r} has arrived, expected one for each of agents")
+            self._index(name)
+            raise ValueError(f"actions: got one for {name!r}, which has arrived; omit it")
 
-    def _place(self, agent: str) -> int:
-        if agent not in self._places:
-            raise ValueError(f"robot: {agent!r} is unknown, expected {', '.join(self._places)}")
-        return self._places[agent]
+    def _index(self, agent: str) -> int:
+        if agent not in self._indices:
+            raise ValueError(f"robot: got {agent!r}, expected {', '.join(self._indices)}")
+        return self._indices[agent]
 
 
 def parallel_env(
@@ -199,28 +206,18 @@ def parallel_env(
     max_cycles: int | None = None,
     **options: Any,
 ) -> FleetParallelEnv:
-    """A scenario as a PettingZoo ParallelEnv.
+    """Return a scenario as a PettingZoo ParallelEnv.
 
     Args:
-        scenario: a name, a file, a Scenario, or a FrozenSet, each episode being one of its cases.
+        scenario: a name, a file, a Scenario, or a FrozenSet, whose cases are the episodes.
         render_mode: `rgb_array`, `human` or None.
-        max_cycles: steps of an episode at most, in place of the scenario's horizon.
+        max_cycles: maximum number of steps of an episode, instead of the scenario's horizon.
         options: of `Simulator` (observation, reward, actions, starts, cases, clearance, threads),
-            and overrides of the scenario (n, jitter...).
+            and overrides of the scenario (n, jitter, ...).
 
     Raises:
-        ScenarioError, ValueError, TypeError: saying what does not fit, and the remedy.
+        ScenarioError, ValueError, TypeError: invalid arguments.
     """
-    single("parallel_env", options)
+    refuse_worlds("parallel_env", options)
     simulator = Simulator(scenario, 1, autoreset=False, max_steps=max_cycles, **options)
     return FleetParallelEnv(simulator, render_mode)
-
-
-def single(face: str, options: dict[str, Any]) -> None:
-    """TypeError where options ask for what a face of one world has not."""
-    for name in ("worlds", "autoreset"):
-        if name in options:
-            raise TypeError(
-                f"{name}: {face} has one world that ends; many are stepped by fgenv.envs.Simulator,"
-                " gymnasium.make_vec or fgenv.agents.FleetVecEnv"
-            )

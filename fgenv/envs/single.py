@@ -1,7 +1,7 @@
 """Gymnasium: one robot of one world learns, the others follow a policy.
 
 >>> import gymnasium
->>> import fgenv.envs
+>>> import fgenv
 >>> env = gymnasium.make("fgenv/swap-v0", n=8, jitter=0.5, robot="robot 1", others="goto")
 """
 
@@ -16,31 +16,31 @@ from numpy.typing import ArrayLike
 
 from fgenv.arrays import Floats32
 
-from .infos import infos
-from .parallel import single
+from .infos import Info, infos
+from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
-from .single_agent import Learner
+from .single_agent import LearningRobot
 from .spaces import action_box, observation_box
 
 
 class FleetEnv(gymnasium.Env[Any, Any]):
-    """A robot among others.
+    """One learning robot among other robots.
 
-    Its episode is terminated where it arrives, or where a collision ends it; truncated at the
-    horizon. What is told beside is that of `infos`.
+    An episode is terminated when the robot arrives or a collision ends it, and truncated at the
+    horizon. Infos are those of `infos`.
 
     Args:
-        scenario: a name, a file, a Scenario, or a FrozenSet, each episode being one of its cases.
-        robot: name or place of the one that learns.
-        others: a policy with reset(view) and act(observations), a function of observations, or
-            `rest`, `random`, `goto`.
+        scenario: a name, a file, a Scenario, or a FrozenSet, whose cases are the episodes.
+        robot: name or index of the learning robot.
+        others: policy of the other robots: a name, a policy, or a function of observations, see
+            `policy_of`.
         render_mode: `rgb_array`, `human` or None.
         options: of `Simulator` (observation, reward, actions, starts, cases, clearance, max_steps,
-            threads), and overrides of the scenario (n, jitter...).
+            threads), and overrides of the scenario (n, jitter, ...).
 
     Raises:
-        ScenarioError, ValueError, TypeError: saying what does not fit, and the remedy.
+        ScenarioError, ValueError, TypeError: invalid arguments.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": MODES, "render_fps": 10}  # type: ignore[misc]
@@ -54,42 +54,42 @@ class FleetEnv(gymnasium.Env[Any, Any]):
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
-        single("a Gymnasium environment", options)
+        refuse_worlds("a Gymnasium environment", options)
         self.simulator = Simulator(scenario, 1, autoreset=False, **options)
-        self.learner = Learner(self.simulator, robot, others)
-        self.observation_space = observation_box(self.simulator, self.learner.place)
-        self.action_space = action_box(self.simulator, self.learner.place)
+        self.learner = LearningRobot(self.simulator, robot, others)
+        self.observation_space = observation_box(self.simulator, self.learner.index)
+        self.action_space = action_box(self.simulator, self.learner.index)
         self.render_mode, self._screen = render_mode, Screen(self.simulator, render_mode)
         self.metadata = {**type(self).metadata, "render_fps": 1.0 / self.simulator.dt}  # type: ignore[misc]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Floats32, dict[str, Any]]:
-        """Begin an episode: the first of a seed, or the next one. Options are not looked at."""
+    ) -> tuple[Floats32, Info]:
+        """Begin an episode: the first of a seed, or the next one. Options are ignored."""
         super().reset(seed=seed)
-        return self.learner.reset(seed)[0], self._told()
+        return self.learner.reset(seed)[0], self._info()
 
-    def step(self, action: ArrayLike) -> tuple[Floats32, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> tuple[Floats32, float, bool, bool, Info]:
         """Step with the robot's action (size,).
 
         Raises:
-            ValueError: wrong shape, or a number that is not finite. Nothing has changed then.
+            ValueError: wrong shape, or a number that is not finite. The state is unchanged.
             RuntimeError: the episode is over.
         """
-        done = self.learner.step(np.asarray(action)[None])
-        ended, late = bool(done.terminated[0]), bool(done.truncated[0])
-        return done.observations[0], float(done.rewards[0]), ended, late, self._told()
+        step = self.learner.step(np.asarray(action)[None])
+        terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
+        return step.observations[0], float(step.rewards[0]), terminated, truncated, self._info()
 
     def render(self) -> Frame | None:
-        """The frame (360, 480, 3) in mode `rgb_array`, else None; `human` is shown live."""
+        """Return the frame (360, 480, 3) in mode `rgb_array`, else None; `human` shows it live."""
         return self._screen.show()
 
     def close(self) -> None:
         """End the live view, if there is one."""
         self._screen.close()
 
-    def _told(self) -> dict[str, Any]:
-        return infos(self.simulator)[self.learner.place]
+    def _info(self) -> Info:
+        return infos(self.simulator)[self.learner.index]
 
     def __copy__(self) -> FleetEnv:
         return copy.deepcopy(self)

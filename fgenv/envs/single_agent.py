@@ -1,4 +1,4 @@
-"""One robot of each world does as told, the others follow a policy."""
+"""One learning robot in each world; the other robots follow a policy."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .simulator_view import View
 from .state_readers import MOVING
 
 
-class Outcome(NamedTuple):
-    """Of a step, for the robot that learns."""
+class RobotStep(NamedTuple):
+    """A step of the learning robots."""
 
     observations: Floats32  # (worlds, size)
     rewards: Floats  # (worlds,)
@@ -25,24 +25,24 @@ class Outcome(NamedTuple):
     truncated: Flags  # (worlds,): the horizon is reached
 
 
-class Learner:
-    """A robot in each world of a simulator without autoreset.
+class LearningRobot:
+    """The learning robot in each world of a simulator without autoreset.
 
     Args:
-        robot: its name, or its place.
-        others: a policy, a function of observations, or a name; see `policy_of`. A policy by name
-            is made anew with each seed.
+        robot: its name or index.
+        others: policy of the other robots, see `policy_of`. A named policy is made anew with each
+            seed.
     """
 
     def __init__(self, simulator: Simulator, robot: str | int, others: Any) -> None:
-        self.simulator, self.place = simulator, place_of(simulator, robot)
+        self.simulator, self.index = simulator, robot_index(simulator, robot)
         self.others, self._policy = others, policy_of(others)
         self._over = np.ones(simulator.n_worlds, dtype=bool)
 
     def reset(
         self, seed: int | Sequence[int] | None = None, worlds: ArrayLike | None = None
     ) -> Floats32:
-        """Begin episodes of all worlds, or of some; returns observations of all, (worlds, size)."""
+        """Begin episodes of all or some worlds; return observations of all, (worlds, size)."""
         self.simulator.reset(seed, worlds)
         if worlds is None:
             if isinstance(self.others, str) and seed is not None:
@@ -50,55 +50,60 @@ class Learner:
                 self._policy = policy_of(self.others, int(first))
             self._policy.reset(View(self.simulator))
         self._over[slice(None) if worlds is None else np.asarray(worlds)] = False
-        self._seen = self.simulator.observe()
-        return self._own(self._seen)
+        self._observations = self.simulator.observe()
+        return self._own(self._observations)
 
-    def step(self, actions: ArrayLike) -> Outcome:
-        """Step with actions (worlds, size); an episode ends with the robot's.
+    def step(self, actions: ArrayLike) -> RobotStep:
+        """Step with actions (worlds, size); an episode ends with that of the robot.
 
         Raises:
-            ValueError: wrong shape, or a number that is not finite. Nothing has changed then.
+            ValueError: wrong shape, or a number that is not finite. The state is unchanged.
             RuntimeError: an episode is over.
         """
         own = self._checked(actions)
         if self._over.any():
-            raise RuntimeError("step: the episode is over, or has not begun, call reset()")
-        asked = checked_actions(self._policy, self.simulator, self._seen)
-        asked[:, self.place, : own.shape[1]] = own
-        done = self.simulator.step(asked)
-        self._seen = done.observations
-        ended = done.terminated | (self.simulator.status[:, self.place] != MOVING)
-        late = done.truncated & ~ended
-        self._over = ended | late
-        return Outcome(self._own(self._seen), done.rewards[:, self.place].copy(), ended, late)
+            raise RuntimeError("step: the episode is over or has not begun; call reset()")
+        every = checked_actions(self._policy, self.simulator, self._observations)
+        every[:, self.index, : own.shape[1]] = own
+        step = self.simulator.step(every)
+        self._observations = step.observations
+        terminated = step.terminated | (self.simulator.status[:, self.index] != MOVING)
+        truncated = step.truncated & ~terminated
+        self._over = terminated | truncated
+        rewards = step.rewards[:, self.index].copy()
+        return RobotStep(self._own(self._observations), rewards, terminated, truncated)
 
-    def _own(self, rows: Floats32) -> Floats32:
-        return rows[:, self.place, : self.simulator.observation_sizes[self.place]].copy()
+    def _own(self, observations: Floats32) -> Floats32:
+        size = self.simulator.observation_sizes[self.index]
+        return observations[:, self.index, :size].copy()
 
     def _checked(self, actions: ArrayLike) -> Floats:
         own = np.asarray(actions, dtype=np.float64)
-        expected = (self.simulator.n_worlds, self.simulator.action_sizes[self.place])
-        name = self.simulator.names[self.place]
+        expected = (self.simulator.n_worlds, self.simulator.action_sizes[self.index])
+        name = self.simulator.names[self.index]
         if own.shape != expected:
-            raise ValueError(f"action of {name!r}: shape {own.shape}, expected {expected}")
+            raise ValueError(f"action of {name!r}: got shape {own.shape}, expected {expected}")
         if not np.isfinite(own).all():
             world = int(np.argwhere(~np.isfinite(own))[0, 0])
-            raise ValueError(f"action of {name!r} in world {world}: {own[world].tolist()}")
+            raise ValueError(
+                f"action of {name!r} in world {world}: got {own[world].tolist()}, expected finite"
+                " numbers"
+            )
         return own
 
 
-def place_of(simulator: Simulator, robot: str | int) -> int:
-    """The place of a robot by its name, or a place.
+def robot_index(simulator: Simulator, robot: str | int) -> int:
+    """Return the index of a robot, given by its name or index.
 
     Raises:
-        ValueError: there is none.
+        ValueError: no such robot.
     """
     if isinstance(robot, str):
         if robot not in simulator.names:
-            raise ValueError(f"robot: {robot!r} is unknown, expected {', '.join(simulator.names)}")
+            raise ValueError(f"robot: got {robot!r}, expected {', '.join(simulator.names)}")
         return simulator.names.index(robot)
     if isinstance(robot, bool) or not isinstance(robot, (int, np.integer)):
-        raise ValueError(f"robot: got {robot!r}, expected a name or a place")
+        raise ValueError(f"robot: got {robot!r}, expected a name or an index")
     if not 0 <= robot < simulator.n_robots:
         raise ValueError(f"robot: got {robot}, expected 0 to {simulator.n_robots - 1}")
     return int(robot)

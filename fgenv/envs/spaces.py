@@ -1,7 +1,7 @@
-"""Gymnasium spaces of a simulator: what robots observe and do, and the state of a world.
+"""Gymnasium spaces of a simulator: observations, actions, and the state of a world.
 
-Bounds are as narrow as is known of the scenario, and infinite elsewhere: positions are within a
-workspace, velocities and joints within limits, a lidar sees as far as its range.
+Bounds follow from the scenario: the workspace, the limits of drives and joints, the lidar's range.
+Unknown bounds are infinite.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 
 Bounds = tuple[Floats, Floats]
 
-SLACK = 1e-5  # of bounds: single precision rounds, a quaternion is nearly of length 1
+SLACK = 1e-5  # added to bounds, for single precision and the length of quaternions
 
 
 def action_box(simulator: Simulator, robot: int) -> Box:
-    """[-1, 1] for each number of a robot's action."""
+    """Return the space of a robot's actions, [-1, 1], (size,)."""
     return Box(-1.0, 1.0, (simulator.action_sizes[robot],), np.float32)
 
 
 def observation_box(simulator: Simulator, robot: int) -> Box:
-    """Bounds of a robot's observation, (size,)."""
+    """Return the space of a robot's observations, (size,)."""
     return box([bounds(simulator, robot, part) for part in simulator.layouts[robot]])
 
 
 def state_box(simulator: Simulator) -> Box:
-    """Bounds of `state_of`, (size,)."""
+    """Return the space of `state_of`, (size,)."""
     parts = [(np.zeros(1), np.ones(1))]
     for i in range(simulator.n_robots):
         within = limits(simulator, i)
@@ -47,8 +47,8 @@ def state_box(simulator: Simulator) -> Box:
 
 
 def state_of(simulator: Simulator, world: int = 0) -> NDArray[np.float32]:
-    """All of a world that changes, (size,): the time gone, 0 to 1; then of each robot its
-    configuration, goal, velocity, and whether it is on its way."""
+    """Return the state of a world, (size,): the elapsed share of the horizon; then of each robot
+    configuration, goal, velocity, and 1 if it is moving, else 0."""
     q, goals, v = (
         x[world] for x in (simulator.configurations, simulator.goals, simulator.velocities)
     )
@@ -61,7 +61,7 @@ def state_of(simulator: Simulator, world: int = 0) -> NDArray[np.float32]:
 
 
 def box(parts: list[Bounds]) -> Box:
-    """Bounds one after the other, rounded outward."""
+    """Return the space with these bounds in sequence, rounded outward."""
     low, high = (np.concatenate([part[side] for part in parts]) for side in (0, 1))
     slack = SLACK * np.maximum(1.0, np.maximum(finite(low), finite(high)))
     low, high = np.where(low == 0, low, low - slack), high + slack
@@ -69,12 +69,12 @@ def box(parts: list[Bounds]) -> Box:
 
 
 def finite(x: Floats) -> Floats:
-    """Sizes, 0 for what is infinite."""
+    """Return magnitudes; 0 for infinite numbers."""
     return np.where(np.isfinite(x), np.abs(x), 0.0)
 
 
 def bounds(simulator: Simulator, i: int, part: Part) -> Bounds:
-    """Bounds of a part of robot i's observations."""
+    """Return bounds of a part of robot i's observations."""
     size = part.slice.stop - part.slice.start
     if part.name == "lidar":
         model = simulator.scenario.robots[i].model
@@ -85,7 +85,11 @@ def bounds(simulator: Simulator, i: int, part: Part) -> Bounds:
         return speeds(simulator, i)
     if part.name == "configuration":
         return limits(simulator, i)
-    high = neighbors(simulator, i, size) if part.name == "neighbors" else ways(simulator, i, part)
+    high = (
+        max_neighbors(simulator, i, size)
+        if part.name == "neighbors"
+        else max_offsets(simulator, i, part)
+    )
     low = -high
     if part.name == "neighbors":
         one = simulator.observation.neighbor_size(flat(simulator))
@@ -94,20 +98,20 @@ def bounds(simulator: Simulator, i: int, part: Part) -> Bounds:
 
 
 def limits(simulator: Simulator, i: int) -> Bounds:
-    """Of robot i's configurations, starts and goals among them."""
+    """Return bounds of robot i's configurations, including starts and goals."""
     robot, cases = simulator.robots[i], simulator.cases
     ends = np.concatenate([cases.starts[i], cases.goals[i]])
     return np.minimum(robot.lower, ends.min(axis=0)), np.maximum(robot.upper, ends.max(axis=0))
 
 
 def speeds(simulator: Simulator, i: int) -> Bounds:
-    """Of what robot i's drive does; it may rest."""
+    """Return bounds of the velocities of robot i's drive, including rest."""
     ends = np.array([(a.low, a.high) for a in simulator.robots[i].actions]).reshape(-1, 2)
     return np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)
 
 
-def ways(simulator: Simulator, i: int, part: Part) -> Floats:
-    """The largest change to a goal or a point of the path, either way."""
+def max_offsets(simulator: Simulator, i: int, part: Part) -> Floats:
+    """Return the largest magnitudes of offsets to a goal or a point of the path."""
     robot = simulator.robots[i]
     low, high = limits(simulator, i)
     base = {"fixed": 0, "planar": 3, "free": 7}[robot.base]
@@ -120,33 +124,33 @@ def ways(simulator: Simulator, i: int, part: Part) -> Floats:
     return place if axes else joints
 
 
-def neighbors(simulator: Simulator, i: int, size: int) -> Floats:
-    """The largest numbers of what robot i sees of others, either way."""
+def max_neighbors(simulator: Simulator, i: int, size: int) -> Floats:
+    """Return the largest magnitudes of robot i's observation of other robots."""
     others = range(simulator.n_robots)
     far = way = extent(simulator)
     fast = speed(simulator, i) + max(speed(simulator, j) for j in others)
     radius = max(robot.reach[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
     seen, closest = simulator.observation, 1.0
-    if seen.neighbor_range is not None:  # a direction, and all times the closeness
+    if seen.neighbor_range is not None:  # unit vectors, scaled by the closeness
         far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbor_range
     one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[way] * axes * seen.intent]
     return np.tile(one, size // len(one)) * closest
 
 
 def flat(simulator: Simulator) -> bool:
-    """Whether all are on planar bases."""
+    """Whether all robots have planar bases."""
     return all(robot.base == "planar" for robot in simulator.robots)
 
 
 def speed(simulator: Simulator, i: int) -> float:
-    """How fast robot i's base may go, m/s."""
+    """Return the maximum speed of robot i's base, m/s."""
     robot = simulator.robots[i]
     return robot.required_drive.base_drive.max_speed(robot)
 
 
 def extent(simulator: Simulator) -> float:
-    """Meters that two bases may be apart at most."""
+    """Return the largest distance between two bases, m."""
     corners = []
     for i, robot in enumerate(simulator.robots):
         axes = {"fixed": 0, "planar": 2, "free": 3}[robot.base]

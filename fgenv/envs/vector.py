@@ -1,7 +1,7 @@
 """Gymnasium: one robot learns in each of many worlds, stepped at once in native code.
 
 >>> import gymnasium
->>> import fgenv.envs
+>>> import fgenv
 >>> envs = gymnasium.make_vec("fgenv/swap-v0", num_envs=32, n=8, jitter=0.5, others="goto")
 """
 
@@ -18,29 +18,27 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv.arrays import Flags, Floats, Floats32
 
-from .infos import measured
-from .parallel import single
+from .infos import Info, has_clearances
+from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, seeds_of
-from .single_agent import Learner
+from .single_agent import LearningRobot
 from .spaces import action_box, observation_box
 from .state_readers import MOVING
 
-Told = dict[str, Any]
-
 
 class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
-    """Worlds of one scenario; world k of reset(seed=s) is a FleetEnv of reset(seed=s + k).
+    """Worlds of one scenario; world k of reset(seed=s) equals a FleetEnv of reset(seed=s + k).
 
-    A world that ends begins anew in the same step; what its robot observed at the end is in
-    `final_obs`, and what was told of it in `final_info`. Infos are arrays (worlds,): `collision`
-    (whether it met something), `masked`, `checks`, `success`, and `clearance` where measured.
+    A world whose episode ends begins the next one in the same step; `final_obs` and `final_info`
+    have the last observation and info. Infos are arrays (worlds,): `collision` (bool), `masked`,
+    `checks`, `success`, and `clearance` if measured.
 
     Args:
-        scenario, robot, others, render_mode, options: see `FleetEnv`. A policy's `reset` is called
-            when all begin anew, not where one world does.
-        num_envs: worlds.
-        max_episode_steps: in place of the scenario's horizon.
+        scenario, robot, others, render_mode, options: see `FleetEnv`. `reset` of a policy is called
+            when all worlds begin, not for single worlds.
+        num_envs: number of worlds.
+        max_episode_steps: instead of the scenario's horizon.
     """
 
     metadata: ClassVar[dict[str, Any]] = {  # type: ignore[misc]
@@ -60,13 +58,13 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         max_episode_steps: int | None = None,
         **options: Any,
     ) -> None:
-        single("a vector environment", options)
+        refuse_worlds("a vector environment", options)
         options.setdefault("max_steps", max_episode_steps)
         self.simulator = Simulator(scenario, num_envs, autoreset=False, **options)
-        self.learner = Learner(self.simulator, robot, others)
+        self.learner = LearningRobot(self.simulator, robot, others)
         self.num_envs = num_envs
-        self.single_observation_space = observation_box(self.simulator, self.learner.place)
-        self.single_action_space = action_box(self.simulator, self.learner.place)
+        self.single_observation_space = observation_box(self.simulator, self.learner.index)
+        self.single_action_space = action_box(self.simulator, self.learner.index)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.render_mode, self._screen = render_mode, Screen(self.simulator, render_mode)
@@ -77,38 +75,35 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         *,
         seed: int | Sequence[int] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Floats32, Told]:
+    ) -> tuple[Floats32, Info]:
         """Begin episodes: the first of seeds seed + k, or seed[k]; or the next ones.
 
         Args:
-            options: `reset_mask`, (worlds,) bool: only those begin.
+            options: `reset_mask`, (worlds,) bool: the worlds that begin.
         """
         seeds = None if seed is None else seeds_of(seed, self.num_envs).tolist()
         super().reset(seed=seeds and seeds[0])
-        which = (options or {}).get("reset_mask")
-        if which is not None:
-            which = np.flatnonzero(checked_mask(which, self.num_envs))
-            seeds = seeds and [seeds[k] for k in which.tolist()]
-        rows = self.learner.reset(seeds, which)
-        return rows, with_masks(self._told(), np.ones(self.num_envs))
+        worlds = (options or {}).get("reset_mask")
+        if worlds is not None:
+            worlds = np.flatnonzero(checked_mask(worlds, self.num_envs))
+            seeds = seeds and [seeds[k] for k in worlds.tolist()]
+        return self.learner.reset(seeds, worlds), self._infos()
 
-    def step(self, actions: ArrayLike) -> tuple[Floats32, Floats, Flags, Flags, Told]:
+    def step(self, actions: ArrayLike) -> tuple[Floats32, Floats, Flags, Flags, Info]:
         """Step all worlds with actions (worlds, size); errors are those of `FleetEnv.step`."""
-        done = self.learner.step(actions)
-        ended = done.terminated | done.truncated
-        told, rows = self._told(), done.observations
+        step = self.learner.step(actions)
+        ended = step.terminated | step.truncated
         if not ended.any():
-            return *done, with_masks(told, np.ones(self.num_envs))
-        final: Told = {
-            "final_obs": objects(rows, ended),
-            "final_info": with_masks(told, ended),
+            return *step, self._infos()
+        final: Info = {
+            "final_obs": as_objects(step.observations, ended),
+            "final_info": self._infos(ended),
         }
-        rows = self.learner.reset(worlds=np.flatnonzero(ended))
-        told = with_masks(self._told(), np.ones(self.num_envs))
-        return rows, *done[1:], {**told, **with_masks(final, ended)}
+        observations = self.learner.reset(worlds=np.flatnonzero(ended))
+        return observations, *step[1:], {**self._infos(), **with_masks(final, ended)}
 
     def render(self) -> tuple[Frame | None, ...] | None:  # type: ignore[override]
-        """A frame (360, 480, 3) of each world in mode `rgb_array`, else None.
+        """Return a frame (360, 480, 3) of each world in mode `rgb_array`, else None.
 
         `human` shows the first world live.
         """
@@ -120,41 +115,42 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         """End the live view, if there is one."""
         self._screen.close()
 
-    def _told(self) -> Told:
-        simulator, place = self.simulator, self.learner.place
-        told: Told = {
-            "collision": simulator.hits[:, place] >= 0,
-            "masked": simulator.masked[:, place],
-            "checks": simulator.checks[:, place],
-            "success": simulator.status[:, place] != MOVING,
+    def _infos(self, mask: Flags | None = None) -> Info:
+        """Infos of all worlds, or of those of a mask."""
+        simulator, robot = self.simulator, self.learner.index
+        info: Info = {
+            "collision": simulator.hits[:, robot] >= 0,
+            "masked": simulator.masked[:, robot],
+            "checks": simulator.checks[:, robot],
+            "success": simulator.status[:, robot] != MOVING,
         }
-        if measured(simulator):
-            told["clearance"] = simulator.clearances[:, place]
-        return told
+        if has_clearances(simulator):
+            info["clearance"] = simulator.clearances[:, robot]
+        return with_masks(info, np.ones(self.num_envs) if mask is None else mask)
 
     def __copy__(self) -> FleetVectorEnv:
         return copy.deepcopy(self)
 
 
-def with_masks(told: Told, where: ArrayLike) -> Told:
-    """Each array with a mask `_name` of the worlds that it tells of."""
+def with_masks(info: Info, where: ArrayLike) -> Info:
+    """Return the arrays, each with the mask `_name` of the worlds for which it is valid."""
     mask = np.asarray(where, dtype=bool)
-    return {**told, **{f"_{name}": mask.copy() for name in told}}
+    return {**info, **{f"_{name}": mask.copy() for name in info}}
 
 
-def objects(rows: Floats32, where: Flags) -> NDArray[np.object_]:
-    """Rows as objects, None elsewhere."""
-    found = np.full(len(rows), None, dtype=object)
+def as_objects(rows: Floats32, where: Flags) -> NDArray[np.object_]:
+    """Return rows as objects; None outside of the mask."""
+    objects = np.full(len(rows), None, dtype=object)
     for k in np.flatnonzero(where):
-        found[k] = rows[k]
-    return found
+        objects[k] = rows[k]
+    return objects
 
 
 def checked_mask(value: Any, n: int) -> Flags:
-    """A mask (n,).
+    """Return a mask (n,).
 
     Raises:
-        ValueError: it is none.
+        ValueError: wrong shape or dtype, or no world selected.
     """
     mask = np.asarray(value)
     if mask.dtype != bool or mask.shape != (n,) or not mask.any():

@@ -1,10 +1,10 @@
-"""Contract tests for what others build on fgenv: what holds here holds there as well.
+"""Contract tests for scenarios, simulators and environments built on fgenv.
 
 >>> from fgenv.testing import environment_test, scenario_test, simulator_test
->>> scenario_test("my.yaml")                                  # and all that stands on it
+>>> scenario_test("my.yaml")                                  # includes the two other tests
 >>> environment_test(lambda: fgenv.parallel_env("my.yaml"))
 
-Each raises AssertionError saying which law does not hold.
+Each raises AssertionError with the violated law.
 """
 
 from .environments import environment_test

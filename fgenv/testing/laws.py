@@ -1,4 +1,4 @@
-"""What all contract tests share: bit-for-bit equality, copies, and what has to be refused."""
+"""Helpers of the contract tests: bit-for-bit equality, copies, and expected errors."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ T = TypeVar("T")
 
 
 def require(law: bool, text: str) -> None:
-    """AssertionError where a law does not hold, whatever Python's optimization."""
+    """Raise AssertionError if a law does not hold, also with optimization (python -O)."""
     if not law:
         raise AssertionError(text)
 
 
-def same(a: Any, b: Any) -> bool:
-    """Whether data are the same, bit for bit: arrays, numbers, and containers of them."""
+def equal(a: Any, b: Any) -> bool:
+    """Whether arrays, numbers, and containers of them are equal, bit for bit."""
     if isinstance(a, Mapping):
-        return isinstance(b, Mapping) and [*a] == [*b] and all(same(a[k], b[k]) for k in a)
+        return isinstance(b, Mapping) and [*a] == [*b] and all(equal(a[k], b[k]) for k in a)
     if isinstance(a, (tuple, list)):
-        return len(a) == len(b) and all(map(same, a, b))
+        return len(a) == len(b) and all(map(equal, a, b))
     if isinstance(a, np.ndarray) and a.dtype == object:
-        return same(a.tolist(), b.tolist())
+        return equal(a.tolist(), b.tolist())
     if isinstance(a, (np.ndarray, np.generic, float)):
         x, y = np.asarray(a), np.asarray(b)
         return x.dtype == y.dtype and x.shape == y.shape and x.tobytes() == y.tobytes()
@@ -33,20 +33,20 @@ def same(a: Any, b: Any) -> bool:
 
 
 def copies(thing: T) -> Iterator[tuple[str, T]]:
-    """The ways to copy it, by name."""
+    """Yield copies by each method, with its name."""
     yield "copy", copy.copy(thing)
     yield "deepcopy", copy.deepcopy(thing)
     yield "pickle", pickle.loads(pickle.dumps(thing))
 
 
-def refuses(call: Callable[[], Any], error: type[Exception], what: str) -> None:
-    """A call has to raise, and to say something."""
+def require_error(call: Callable[[], Any], error: type[Exception], name: str) -> None:
+    """Raise AssertionError unless a call raises the error, with a message."""
     try:
         call()
     except error as raised:
-        require(bool(str(raised)), f"{what}: {error.__name__} without a word")
+        require(bool(str(raised)), f"{name}: {error.__name__} without a message")
         return
     except Exception as raised:
-        name = type(raised).__name__
-        raise AssertionError(f"{what}: {name} ({raised}), expected {error.__name__}") from raised
-    raise AssertionError(f"{what}: taken, expected {error.__name__}")
+        got = f"{type(raised).__name__} ({raised})"
+        raise AssertionError(f"{name}: got {got}, expected {error.__name__}") from raised
+    raise AssertionError(f"{name}: got no error, expected {error.__name__}")

@@ -14,15 +14,15 @@ from .simulators import simulator_test
 
 
 def scenario_test(source: str | Path | Scenario, steps: int = 30, **overrides: Any) -> None:
-    """Whether a scenario is sound, and what stands on it keeps its laws.
+    """Test that a scenario is valid, and the contracts of its simulator and environment.
 
     Args:
         source: a name, a file, or a Scenario.
-        steps: of the rollouts.
+        steps: of each rollout.
         overrides: for `Scenario.load`.
 
     Raises:
-        AssertionError, ScenarioError: saying what is wrong.
+        AssertionError, ScenarioError: the violated law, or the problem.
     """
     scenario = source if isinstance(source, Scenario) else Scenario.load(source, **overrides)
     problems = scenario.problems()
@@ -32,8 +32,8 @@ def scenario_test(source: str | Path | Scenario, steps: int = 30, **overrides: A
         return Simulator(scenario, worlds, threads=threads, max_steps=max(2, steps // 2))
 
     def parallel() -> FleetParallelEnv:
-        ends = max(3, steps // 2)
-        return FleetParallelEnv(Simulator(scenario, 1, autoreset=False, max_steps=ends))
+        max_steps = max(3, steps // 2)
+        return FleetParallelEnv(Simulator(scenario, 1, autoreset=False, max_steps=max_steps))
 
     simulator_test(make, steps)
     environment_test(parallel, steps)

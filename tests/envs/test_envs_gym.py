@@ -177,7 +177,7 @@ def test_copies_go_on_identically() -> None:
 
 
 def test_what_does_not_fit_is_named() -> None:
-    with pytest.raises(ValueError, match="robot: 'robot 9' is unknown, expected robot 1"):
+    with pytest.raises(ValueError, match="robot: got 'robot 9', expected robot 1"):
         single(robot="robot 9")
     with pytest.raises(ValueError, match="robot: got 4, expected 0 to 3"):
         single(robot=4)
@@ -192,7 +192,7 @@ def test_what_does_not_fit_is_named() -> None:
     before = env.simulator.state()
     with pytest.raises(ValueError, match=r"got actions of shape \(1, 3, 2\), expected \(1, 4, 2\)"):
         env.step(np.zeros(2))
-    with pytest.raises(ValueError, match="action of 'robot 1': shape"):
+    with pytest.raises(ValueError, match="action of 'robot 1': got shape"):
         env.step(np.zeros(3))
     with pytest.raises(ValueError, match="action of 'robot 1' in world 0"):
         env.step(np.array([0, np.nan]))

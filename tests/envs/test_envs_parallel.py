@@ -172,7 +172,7 @@ BAD = [
     ({"robot 1": [0.0, 0.0, 0.0]}, r"shape \(3,\), expected \(2,\)"),
     ({"robot 1": "left"}, "expected numbers"),
     ({"robot 1": None}, "action of 'robot 1'"),
-    ({"robot 9": [0.0, 0.0]}, "'robot 9' is unknown"),
+    ({"robot 9": [0.0, 0.0]}, "robot: got 'robot 9', expected robot 1"),
 ]
 
 
@@ -189,13 +189,13 @@ def test_bad_actions_change_nothing(bad: dict[str, Any], told: str) -> None:
 
 def test_missing_and_gone_robots_are_named() -> None:
     env = one_is_near()
-    with pytest.raises(ValueError, match="none for 'robot 4'"):
+    with pytest.raises(ValueError, match="got none for 'robot 4'"):
         env.step({name: np.zeros(2) for name in env.agents[:-1]})
     with pytest.raises(TypeError, match="expected a dict"):
         env.step(np.zeros((4, 2)))  # type: ignore[arg-type]
     every = still(env)
     env.step(every)
-    with pytest.raises(ValueError, match="'robot 1' has arrived"):
+    with pytest.raises(ValueError, match="'robot 1', which has arrived"):
         env.step(every)
 
 
@@ -239,13 +239,13 @@ def test_what_is_unknown_is_named() -> None:
         fgenv.parallel_env("swop")
     with pytest.raises(ScenarioError, match=r"jiter.*jitter"):
         fgenv.parallel_env("swap", jiter=0.1)
-    with pytest.raises(ValueError, match="render_mode: 'ansi'"):
+    with pytest.raises(ValueError, match="render_mode: got 'ansi'"):
         fgenv.parallel_env("swap", render_mode="ansi")
-    with pytest.raises(ValueError, match="max_steps: 0"):
+    with pytest.raises(ValueError, match="max_steps: got 0"):
         fgenv.parallel_env("swap", max_cycles=0)
-    with pytest.raises(TypeError, match="worlds: parallel_env has one world"):
+    with pytest.raises(TypeError, match="worlds: got 3, which parallel_env does not take"):
         fgenv.parallel_env("swap", worlds=3)
-    with pytest.raises(ValueError, match="'robot 9' is unknown"):
+    with pytest.raises(ValueError, match="robot: got 'robot 9', expected robot 1"):
         parallel().observation_space("robot 9")
     with pytest.raises(AttributeError, match="no attribute 'parallel'"):
         _ = fgenv.parallel
@@ -267,5 +267,5 @@ def test_pictures() -> None:
     assert np.ptp(frame) > 100
     other = parallel()
     other.reset()
-    with pytest.warns(UserWarning, match="'rgb_array' gives pictures"):
+    with pytest.warns(UserWarning, match="'rgb_array' for frames"):
         assert other.render() is None
