@@ -1,4 +1,4 @@
-"""Evaluation: intervals against known values, scores against records made by hand, the command."""
+"""Evaluation: intervals against known values, scores of hand-made results, the command."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from fgenv.scenarios import FrozenSet, frozen
 
 @pytest.fixture(scope="module")
 def crossing() -> FrozenSet:
-    """Two robots, moved a little in each of five cases."""
+    """Five cases of two robots with jittered starts."""
     return frozen("swap", n=2, jitter=0.5, cases=5, seed=1_000_000)
 
 
 @pytest.mark.parametrize(("k", "n"), [(0, 10), (3, 10), (10, 10), (81, 263), (500, 500), (1, 1)])
-def test_wilson_is_what_scipy_says(k: int, n: int) -> None:
+def test_wilson_interval_equals_scipy(k: int, n: int) -> None:
     found, expected = rate(k, n), binomtest(k, n).proportion_ci(method="wilson")
     np.testing.assert_allclose(found, (k / n, expected.low, expected.high), atol=1e-12)
 
 
-def test_wilson_of_a_textbook() -> None:
+def test_wilson_interval_equals_published_values() -> None:
     """R. Newcombe, "Two-sided confidence intervals for the single proportion", 1998, table I."""
     for k, n, low, high in [
         (81, 263, 0.2553, 0.3662),
@@ -46,13 +46,13 @@ def test_wilson_of_a_textbook() -> None:
         np.testing.assert_allclose(rate(k, n)[1:], (low, high), atol=5e-5)
 
 
-def test_no_trials_tell_nothing() -> None:
+def test_no_trials_give_nan() -> None:
     assert all(math.isnan(x) for x in (*rate(0, 0), *mean([])))
     with pytest.raises(ValueError, match="successes: got 4, expected 0 to 3"):
         rate(4, 3)
 
 
-def test_bootstrap_is_near_the_normal_interval_and_the_same_again() -> None:
+def test_bootstrap_is_near_the_normal_interval_and_repeatable() -> None:
     values = np.random.default_rng(0).normal(5.0, 2.0, 400)
     half = 1.96 * values.std() / 20
     found = mean(values.tolist())
@@ -64,16 +64,16 @@ def test_bootstrap_is_near_the_normal_interval_and_the_same_again() -> None:
 def robot(
     arrival: float | None, hits: int = 0, length: float = 4.0, gap: float = 0.2
 ) -> RobotResult:
-    """A robot's result by hand."""
+    """Return a hand-made result of a robot."""
     return RobotResult("r", arrival, hits, length, "m", gap)
 
 
 def episode(case: int, *robots: RobotResult, met: Any = ((0, 0), (0, 0))) -> CaseResult:
-    """An episode of 10 s by hand."""
+    """Return a hand-made result of an episode of 10 s."""
     return CaseResult(case, Results(robots, 100, 10.0), *met)
 
 
-def test_scores_of_episodes_made_by_hand() -> None:
+def test_scores_of_hand_made_episodes() -> None:
     episodes = [
         episode(0, robot(5.0, length=5.0), robot(7.0, length=6.0, gap=0.1)),
         episode(1, robot(4.0), robot(8.0, hits=2), met=((0, 1), (0, 1))),
@@ -96,13 +96,13 @@ def test_scores_of_episodes_made_by_hand() -> None:
     assert found.least_clearance.value == pytest.approx((0.1 + 0.2 + 0.2 + 0.2) / 4)
 
 
-def test_nothing_shared_tells_nothing_of_times() -> None:
+def test_times_without_shared_cases_are_nan() -> None:
     found = score([episode(0, robot(None))], [Results((robot(4.0),), 40, 4.0)], shared=[])
     assert math.isnan(found.extra_time.value)
     assert found.time_out.value == 1.0
 
 
-def test_world_k_runs_case_k_as_a_simulator_alone_does(crossing: FrozenSet) -> None:
+def test_world_k_runs_case_k_like_a_single_simulator(crossing: FrozenSet) -> None:
     found = run_cases(crossing, policy_of("orca"), [3, 0, 4])
     assert [e.case for e in found] == [3, 0, 4]
     for e in found:
@@ -113,8 +113,8 @@ def test_world_k_runs_case_k_as_a_simulator_alone_does(crossing: FrozenSet) -> N
         assert Results.of(simulator) == e.results
 
 
-def test_own_links_are_no_other_robot() -> None:
-    arms = frozen("cell", n=1, cases=1)  # one arm alone: a random one folds into itself
+def test_self_collisions_are_body_collisions() -> None:
+    arms = frozen("cell", n=1, cases=1)  # one arm, which collides with itself at random
     (found,) = run_cases(arms, policy_of("random"), [0], clearance=False, max_steps=150)
     assert found.robot_collisions == (0,)
     simulator = Simulator(arms[0], autoreset=False)
@@ -125,7 +125,7 @@ def test_own_links_are_no_other_robot() -> None:
     assert found.body_collisions == ((record["hits"] >= 0).sum(),)
 
 
-def test_straight_is_goto_with_nothing_in_the_way(crossing: FrozenSet) -> None:
+def test_unobstructed_baseline_is_goto_without_obstacles(crossing: FrozenSet) -> None:
     for k, found in enumerate(run_unobstructed(crossing, range(5))):
         for i, one in enumerate(found.robots):
             spec = crossing[k].robots[i]
@@ -145,7 +145,7 @@ def test_same_results_for_any_number_of_jobs(crossing: FrozenSet) -> None:
     assert one.results == two.results
 
 
-def test_parts_are_told_after_an_interruption(crossing: FrozenSet) -> None:
+def test_partial_results_after_an_interruption(crossing: FrozenSet) -> None:
     result = Evaluation(crossing, ("goto", "orca"))
     work = run_batches(result, 0, 1)
     result.add(*next(work))
@@ -156,7 +156,7 @@ def test_parts_are_told_after_an_interruption(crossing: FrozenSet) -> None:
 
 
 class Shell:
-    """Runs `fgenv eval` in this process."""
+    """Run `fgenv eval` in this process."""
 
     def __init__(self, patch: pytest.MonkeyPatch, capture: pytest.CaptureFixture[str]) -> None:
         self.patch, self.capture = patch, capture
@@ -164,7 +164,7 @@ class Shell:
         patch.setenv("COLUMNS", "120")
 
     def __call__(self, *arguments: object) -> tuple[int, str, str]:
-        """Exit code, stdout, stderr."""
+        """Return exit code, stdout, stderr."""
         self.patch.setattr(sys, "argv", ["fgenv", "eval", *map(str, arguments)])
         with pytest.raises(SystemExit) as stopped:
             cli.main()
@@ -180,7 +180,7 @@ def fgenv(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
 SWAP = ("swap", "--n", 2, "--set", "jitter=0.5", "--cases", 5)
 
 
-def test_the_command_tells_and_writes(fgenv: Shell, tmp_path: Path) -> None:
+def test_the_command_prints_and_writes(fgenv: Shell, tmp_path: Path) -> None:
     rows, plot = tmp_path / "rows.csv", tmp_path / "plot.png"
     code, out, _ = fgenv(
         *SWAP, "--policy", "goto", "--policy", "orca", "--csv", rows, "--plot", plot
@@ -195,7 +195,7 @@ def test_the_command_tells_and_writes(fgenv: Shell, tmp_path: Path) -> None:
     assert all(float(row["straight_arrival_s"]) > 1 for row in table)
 
 
-def test_json_is_the_same_again(fgenv: Shell) -> None:
+def test_json_is_repeatable(fgenv: Shell) -> None:
     found = []
     for _ in range(2):
         code, out, _ = fgenv(*SWAP, "--policy", "orca", "--json")
@@ -213,12 +213,12 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
     code, out, _ = fgenv(tmp_path / "set.npz", "--json")
     assert code == 0
     assert json.loads(out)["id"] == crossing.id
-    code, _, told = fgenv(tmp_path / "set.npz", "--cases", 3)
-    assert (code, "--cases: a set that is a file has its own" in told) == (2, True)
+    code, _, message = fgenv(tmp_path / "set.npz", "--cases", 3)
+    assert (code, "--cases: a set that is a file has its own" in message) == (2, True)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("--policy", "gotoo"), "did you mean 'goto'?"),
         (("--policy", "mlp:nothing.npz"), "nothing.npz: No such file"),
@@ -226,10 +226,10 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
         (("--plot", "scores.xyz"), "--plot: scores.xyz, expected a name that ends in .png, .svg"),
     ],
 )
-def test_what_is_wrong_is_told_before_the_cases_are_made(
-    fgenv: Shell, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], told: str
+def test_errors_precede_the_cases(
+    fgenv: Shell, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], message: str
 ) -> None:
     monkeypatch.setattr("fgenv.scenarios.frozen_set", lambda *_, **__: pytest.fail("made cases"))
     code, _, said = fgenv(*SWAP, *arguments)
     assert code == 2
-    assert told in said
+    assert message in said

@@ -1,4 +1,4 @@
-"""What PPO learns from: the steps of robots on the way, and nothing of who rests."""
+"""The rollout buffer samples steps of moving robots only."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ QUIET = Observation(lidar=False, neighbors=2, pad=True)
 
 @pytest.fixture
 def envs() -> MultiScenarioVecEnv:
-    """Rows of which robot 0 of each world is all but there."""
+    """Environments in which robot 0 of each world is almost at its goal."""
     parts = [ResidualVecEnv("swap", 2, n=n, observation=QUIET) for n in (2, 3)]
     made = MultiScenarioVecEnv(parts)
     made.reset()
@@ -32,7 +32,7 @@ def envs() -> MultiScenarioVecEnv:
 
 
 def filled(envs: MultiScenarioVecEnv, steps: int) -> tuple[MaskedRolloutBuffer, np.ndarray]:
-    """A buffer of so many steps of nobody but who is there moving, and who was on the way."""
+    """Return a buffer of steps in which only robots near their goals move, and the moving rows."""
     found = MaskedRolloutBuffer(
         steps, envs.observation_space, envs.action_space, "cpu", 0.9, 0.8, envs.num_envs
     )
@@ -49,10 +49,10 @@ def filled(envs: MultiScenarioVecEnv, steps: int) -> tuple[MaskedRolloutBuffer, 
     return found, np.array(moved)
 
 
-def test_batches_are_of_who_was_on_the_way(envs: MultiScenarioVecEnv) -> None:
+def test_batches_have_moving_rows_only(envs: MultiScenarioVecEnv) -> None:
     rollouts, moved = filled(envs, 4)
     assert moved[0].all()
-    assert (~moved[1:]).sum() == 4 * 3  # robot 0 of four worlds, for three steps
+    assert (~moved[1:]).sum() == 4 * 3  # robot 0 of four worlds, in three steps
     expected = [100 * k + row for k, row in np.argwhere(moved)]
     for size, many in ((None, len(expected)), (7, len(expected) // 7 * 7)):
         batches = [batch.observations[:, 0] for batch in rollouts.get(size)]
@@ -61,15 +61,15 @@ def test_batches_are_of_who_was_on_the_way(envs: MultiScenarioVecEnv) -> None:
         assert set(seen) <= set(expected)
 
 
-def test_who_has_arrived_is_worth_nothing_more(envs: MultiScenarioVecEnv) -> None:
+def test_values_after_arrival_are_zero(envs: MultiScenarioVecEnv) -> None:
     rollouts, moved = filled(envs, 4)
     arrived = ~moved[1]
-    # All that comes is the reward of the step in which it arrived.
+    # The only reward is that of the arrival step.
     assert rollouts.returns[0, arrived] == pytest.approx(rollouts.rewards[0, arrived])
     assert (rollouts.returns[1:, arrived] == 0).all()
     assert (rollouts.rewards[0, arrived] > 5).all()
     on_the_way = rollouts.returns[:, ~arrived]
-    expected = np.ones(on_the_way.shape[1])  # the values beyond the end are 1 all the same
+    expected = np.ones(on_the_way.shape[1])  # the values after the last step are 1
     for k in reversed(range(4)):
         later = 0.1 * 1.0 + 0.9 * expected if k < 3 else expected
         expected = rollouts.rewards[k, ~arrived] + 0.8 * later

@@ -1,4 +1,4 @@
-"""The native network against NumPy and PyTorch, and against itself on every instruction set."""
+"""The native network against NumPy and PyTorch, and between instruction sets."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DIGEST = "from test_network import digest; print(digest())"
 
 
 def layers(*sizes: int, activation: str = "tanh", seed: int = 0) -> list[tuple[Any, Any, str]]:
-    """Random ones; the last has no activation."""
+    """Return random layers; the last has no activation."""
     rng = np.random.default_rng(seed)
     shapes = list(itertools.pairwise(sizes))
     kinds = [activation] * (len(shapes) - 1) + ["none"]
@@ -30,7 +30,7 @@ def layers(*sizes: int, activation: str = "tanh", seed: int = 0) -> list[tuple[A
 
 
 def digest(threads: int | None = None) -> str:
-    """Of what a network gives for a thousand rows."""
+    """Return a hash of the outputs for a thousand rows."""
     import hashlib
 
     rows = np.random.default_rng(1).normal(size=(1000, 37))
@@ -40,7 +40,7 @@ def digest(threads: int | None = None) -> str:
 
 @pytest.mark.parametrize("activation", ACTS)
 @pytest.mark.parametrize("sizes", [(1, 1), (40, 64, 64, 2), (3, 7, 1), (5, 2)])
-def test_it_is_what_numpy_says(activation: str, sizes: tuple[int, ...]) -> None:
+def test_outputs_equal_numpy(activation: str, sizes: tuple[int, ...]) -> None:
     given = layers(*sizes, activation=activation)
     rows = np.random.default_rng(1).normal(size=(4, 50, sizes[0]))
     expected = rows
@@ -51,7 +51,7 @@ def test_it_is_what_numpy_says(activation: str, sizes: tuple[int, ...]) -> None:
     assert (network.inputs, network.outputs) == (sizes[0], sizes[-1])
 
 
-def test_it_is_what_torch_says() -> None:
+def test_outputs_equal_torch() -> None:
     torch = pytest.importorskip("torch")
     given = layers(40, 64, 64, 2)
     parts: list[Any] = []
@@ -66,7 +66,7 @@ def test_it_is_what_torch_says() -> None:
     np.testing.assert_allclose(_core.Network(given).run(rows, None), expected, rtol=0, atol=1e-12)
 
 
-def test_hyperbolic_tangent_is_right_to_the_last_digits() -> None:
+def test_hyperbolic_tangent_is_accurate() -> None:
     near = np.linspace(-22.0, 22.0, 200_001)
     far = 10.0 ** np.linspace(-300.0, 300.0, 2_001)
     x = np.concatenate([near, far, -far, [0.0]])
@@ -94,7 +94,7 @@ def test_a_row_does_not_depend_on_the_others() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ([], "layers: none, expected one at least"),
         ([(np.ones(3), np.ones(3), "tanh")], r"layers\[0\]: weights of shape \(3,\)"),
@@ -110,12 +110,12 @@ def test_a_row_does_not_depend_on_the_others() -> None:
         ),
     ],
 )
-def test_bad_layers_are_told(given: list[Any], told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_invalid_layers_raise(given: list[Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         _core.Network(given)
 
 
-def test_bad_rows_are_told() -> None:
+def test_invalid_rows_raise() -> None:
     network = _core.Network(layers(4, 2))
     with pytest.raises(ValueError, match=r"rows: shape \(3, 5\), expected \(..., 4\)"):
         network.run(np.ones((3, 5)), None)

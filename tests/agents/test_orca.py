@@ -1,4 +1,4 @@
-"""ORCA: the native solution against an independent one, and how it does."""
+"""ORCA: the native solution against an independent one, and episodes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HORIZON, DT = 2.0, 0.1
 
 
 def solved(discs: Any, expected: Any, speeds: Any, points: Any = None) -> Any:
-    """Velocities of one world, (discs, 2)."""
+    """Return velocities of one world, (discs, 2)."""
     rows = np.asarray(discs, dtype=np.float64)[None]
     if points is None:
         points = np.full((1, rows.shape[1], 0, 2), np.nan)
@@ -35,7 +35,7 @@ def inside(v: np.ndarray, p: np.ndarray, r: float) -> bool:
 
 
 def nearest_exit(v: np.ndarray, p: np.ndarray, r: float) -> tuple[np.ndarray, np.ndarray]:
-    """The least change of v to the border of the cone, by search, and the outward normal there."""
+    """Return the least change of v to the border of the cone, by search, and the normal there."""
     now = inside(v, p, r)
 
     def crossing(angle: float) -> float:
@@ -60,7 +60,7 @@ def nearest_exit(v: np.ndarray, p: np.ndarray, r: float) -> tuple[np.ndarray, np
     return lengths[k] * n, n if now else -n
 
 
-def test_two_discs_as_the_definition_says() -> None:
+def test_two_discs_follow_the_definition() -> None:
     rng = np.random.default_rng(0)
     for _ in range(3):
         p, v = rng.uniform(0.9, 3.0) * unit(rng), 0.8 * unit(rng)
@@ -74,13 +74,13 @@ def test_two_discs_as_the_definition_says() -> None:
 
 
 def unit(rng: np.random.Generator) -> np.ndarray:
-    """A direction."""
+    """Return a random direction."""
     angle = rng.uniform(-math.pi, math.pi)
     return np.array([math.cos(angle), math.sin(angle)])
 
 
 def half_planes(discs: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of the first disc with each other, one at a time: its answer to a velocity far off tells."""
+    """Return the half-planes of the first disc with each other, from its answer to a far velocity."""
     found = []
     for other in discs[1:]:
         ends = []
@@ -95,7 +95,7 @@ def half_planes(discs: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def projected(expected: np.ndarray, speed: float, planes: Any) -> np.ndarray | None:
-    """The velocity nearest to the expected one that all half-planes allow, by SciPy; None: none."""
+    """Return the allowed velocity closest to the preferred one by SciPy; None if there is none."""
     limits: list[Any] = [{"type": "ineq", "fun": lambda v: speed**2 - v @ v}]
     limits += [{"type": "ineq", "fun": lambda v, p=p, n=n: (v - p) @ n} for p, n in planes]
     best = minimize(lambda v: ((v - expected) ** 2).sum(), np.zeros(2), constraints=limits)
@@ -103,7 +103,7 @@ def projected(expected: np.ndarray, speed: float, planes: Any) -> np.ndarray | N
     return best.x if kept else None
 
 
-def test_many_discs_as_a_quadratic_program() -> None:
+def test_many_discs_equal_a_quadratic_program() -> None:
     rng, compared = np.random.default_rng(1), 0
     for _ in range(12):
         discs = np.zeros((5, 6))
@@ -118,12 +118,12 @@ def test_many_discs_as_a_quadratic_program() -> None:
     assert compared >= 6
 
 
-def test_who_is_alone_goes_as_it_wants_and_no_faster_than_it_can() -> None:
+def test_a_single_disc_takes_its_preferred_velocity_within_its_limit() -> None:
     np.testing.assert_array_equal(solved([[0, 0, 0, 0, 1, 0]], [[0.3, 0.4]], 1.0), [[0.3, 0.4]])
     np.testing.assert_allclose(solved([[0, 0, 0, 0, 1, 0]], [[3, 4]], 1.0), [[0.6, 0.8]])
 
 
-def test_a_resting_disc_or_a_point_is_avoided_by_the_other_alone() -> None:
+def test_a_moving_disc_takes_all_avoidance_of_parked_discs_and_points() -> None:
     me = [0, 0, 1, 0, 0.5, 0]
     resting = solved([me, [1.5, 0.1, 0, 0, 0.5, 1]], [[1, 0], [0, 0]], 1.0)[0]
     shared = solved([me, [1.5, 0.1, 0, 0, 0.5, 0]], [[1, 0], [0, 0]], 1.0)[0]
@@ -134,7 +134,7 @@ def test_a_resting_disc_or_a_point_is_avoided_by_the_other_alone() -> None:
     assert not inside(stopped * (1 - 1e-6), np.array([1.0, 0.0]), 0.5)
 
 
-def test_where_nothing_is_allowed_the_worst_trespass_is_least() -> None:
+def test_infeasible_constraints_minimize_the_largest_violation() -> None:
     walls = [
         [0.9 * math.cos(a), 0.9 * math.sin(a), 0, 0, 0.5, 1] for a in np.arange(4) * math.pi / 2
     ]
@@ -142,7 +142,7 @@ def test_where_nothing_is_allowed_the_worst_trespass_is_least() -> None:
     np.testing.assert_allclose(v, 0.0, atol=1e-9)
 
 
-def test_the_mirror_image_gives_the_mirror_image() -> None:
+def test_mirrored_discs_give_mirrored_velocities() -> None:
     rng = np.random.default_rng(2)
     discs = np.array([[*rng.uniform(-3, 3, 2), *rng.uniform(-1, 1, 2), 0.2, 0] for _ in range(6)])
     expected, turned = rng.uniform(-1, 1, (6, 2)), discs.copy()
@@ -174,7 +174,7 @@ def test_holonomic_discs_pass_each_other() -> None:
 
 
 @pytest.mark.parametrize("name", ["doorway", "intersection", "random", "warehouse"])
-def test_it_acts_wherever_bases_are_planar(name: str) -> None:
+def test_actions_for_every_scenario_with_planar_bases(name: str) -> None:
     simulator = Simulator(name, 2, n=3)
     policy, rows = policy_of("orca"), simulator.reset(seed=0)
     policy.reset(View(simulator))
@@ -185,8 +185,8 @@ def test_it_acts_wherever_bases_are_planar(name: str) -> None:
     assert (simulator.traveled > 0).any()
 
 
-def test_a_base_that_turns_as_it_goes_goes_where_it_wants() -> None:
-    """It went astray by half of what it turned in a step, up to 0.1 rad."""
+def test_a_turning_holonomic_base_follows_the_preferred_velocity() -> None:
+    """Regression: the direction was off by half of the turn in a step, up to 0.1 rad."""
     scenario = Scenario.load("random", n=1, fill=0.0, drive="holonomic")
     simulator = Simulator(scenario)
     simulator.reset()
@@ -204,8 +204,8 @@ def test_a_base_that_turns_as_it_goes_goes_where_it_wants() -> None:
     assert turned > 1.0
 
 
-def test_who_is_gone_hides_no_wall() -> None:
-    """Robots vanish at their goals; a wall beside one is seen through where it stood."""
+def test_removed_robots_hide_no_lidar_points() -> None:
+    """Robots vanish at their goals; walls near a vanished robot remain visible."""
     scenario = Scenario.load("random", n=2, seed=0, at_goal="vanish")
     first = scenario.robots[0]
     here = first.model_copy(update={"goal": first.start})
@@ -233,7 +233,7 @@ def test_the_disc_encloses_the_body() -> None:
     assert enclosing_radius(long.robots[0]) == pytest.approx(math.hypot(0.6, 0.15), abs=1e-6)
 
 
-def test_who_flies_or_is_bolted_down_is_told() -> None:
+def test_robots_without_a_planar_base_raise() -> None:
     for name in ("forest", "cell"):
         simulator = Simulator(name, n=2)
         simulator.reset(seed=0)
@@ -241,7 +241,7 @@ def test_who_flies_or_is_bolted_down_is_told() -> None:
             OrcaPolicy().reset(View(simulator))
 
 
-def test_bad_arguments_are_told() -> None:
+def test_invalid_arguments_raise() -> None:
     with pytest.raises(ValueError, match=r"discs: shape \(3,\), expected \(worlds, discs, 6\)"):
         _core.orca(np.zeros(3), [], [], [], 1.0, 1.0, 0.1, 1.0, None)
     points = np.zeros((1, 1, 0, 2))
@@ -251,7 +251,7 @@ def test_bad_arguments_are_told() -> None:
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points, 1, 1, 0.1, 1, None)
 
 
-def test_along_shortest_paths_it_gets_through_clutter():
+def test_shortest_paths_lead_through_clutter():
     cases = frozen("random", cases=4, n=4, drive="holonomic")
     shares = []
     for name in ("orca", "orca:shortest"):

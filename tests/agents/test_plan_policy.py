@@ -1,4 +1,4 @@
-"""Policy `plan`: what is planned is what happens, and who is held up is waited for."""
+"""Policy `plan`: robots follow their plans, and wait for robots that are held up."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fgenv.metrics import Results
 from fgenv.planners import PlanningError
 from fgenv.scenarios import Scenario
 
-# What is planned is what happens
+# Tracking
 
 
 @pytest.mark.parametrize(
@@ -31,10 +31,10 @@ from fgenv.scenarios import Scenario
         ("warehouse", 4, "plan", 1e-9),
         ("forest", 2, "plan:composite", 1e-3),
         ("cell", 2, "plan", 1e-9),
-        ("intersection", 3, "plan", 0.05),  # cars go on arcs, plans on chords
+        ("intersection", 3, "plan", 0.05),  # cars drive arcs, plans have chords
     ],
 )
-def test_plans_come_out_as_planned(name: str, n: int, policy: str, most: float) -> None:
+def test_robots_follow_their_plans(name: str, n: int, policy: str, most: float) -> None:
     results, made = driven(name, policy, n=n)
     assert results.success_rate == 1.0
     assert results.collisions == 0
@@ -46,7 +46,7 @@ def test_plans_come_out_as_planned(name: str, n: int, policy: str, most: float) 
     ("name", "n", "policy"),
     [("forest", 2, "plan:composite"), ("cell", 2, "plan:composite"), ("swap", 3, "plan")],
 )
-def test_way_points_lead_along_the_plan_too(name: str, n: int, policy: str) -> None:
+def test_robots_follow_their_plans_by_way_points(name: str, n: int, policy: str) -> None:
     results, made = driven(name, policy, n=n, actions="way_points")
     assert results.success_rate == 1.0
     assert results.collisions == 0
@@ -54,7 +54,7 @@ def test_way_points_lead_along_the_plan_too(name: str, n: int, policy: str) -> N
 
 
 @pytest.mark.parametrize("kind", ["holonomic", "car", "drone", "joint_velocity"])
-def test_a_way_point_gives_the_velocity_that_is_wanted(kind: str) -> None:
+def test_a_way_point_gives_the_planned_velocity(kind: str) -> None:
     scenario = alone(kind, on_collision="pass")
     simulator = Simulator(scenario, actions="way_points", autoreset=False)
     simulator.reset(seed=0)
@@ -84,7 +84,7 @@ def test_a_way_point_gives_the_velocity_that_is_wanted(kind: str) -> None:
     assert moved >= 3
 
 
-def test_courses_end_where_robots_arrive() -> None:
+def test_courses_end_at_the_goals() -> None:
     plan = fgenv.plan("swap", n=3, method="composite")
     course = Course.of(plan)
     for i, (model, spec) in enumerate(zip(course.models, plan.scenario.robots, strict=True)):
@@ -104,7 +104,7 @@ def test_courses_end_where_robots_arrive() -> None:
     ("name", "n", "span"),
     [("swap", 5, (15, 45)), ("warehouse", 4, (20, 50)), ("cell", 2, (3, 20))],
 )
-def test_who_is_held_up_is_waited_for(name: str, n: int, span: tuple[int, int]) -> None:
+def test_robots_wait_for_a_robot_that_is_held_up(name: str, n: int, span: tuple[int, int]) -> None:
     simulator, policy = Simulator(name, n=n, autoreset=False), PlanPolicy("composite", strict=True)
     results = Results.of(run_episode(simulator, Held(policy, 0, *span)))
     assert results.success_rate == 1.0
@@ -112,7 +112,7 @@ def test_who_is_held_up_is_waited_for(name: str, n: int, span: tuple[int, int]) 
     assert policy.waited > 0.5 * (span[1] - span[0]) * simulator.dt
 
 
-def test_who_never_comes_holds_up_all_and_nobody_meets_anybody() -> None:
+def test_a_stopped_robot_blocks_all_others_without_collisions() -> None:
     simulator, policy = Simulator("swap", n=4, autoreset=False), PlanPolicy("composite")
     record = run_episode(simulator, Held(policy, 1, 10, 1000), steps=120)
     q = record["configurations"]
@@ -120,7 +120,7 @@ def test_who_never_comes_holds_up_all_and_nobody_meets_anybody() -> None:
     np.testing.assert_allclose(q[-60:], np.broadcast_to(q[-1], q[-60:].shape), atol=1e-9)
 
 
-# Many worlds, one that learns
+# Several worlds, and a learning robot
 
 
 def test_worlds_are_planned_as_their_episodes_begin() -> None:
@@ -138,7 +138,7 @@ def test_worlds_are_planned_as_their_episodes_begin() -> None:
     assert (simulator.episodes >= 1).all()
 
 
-def test_others_may_be_planned_in_a_training_loop() -> None:
+def test_other_robots_can_follow_plans_in_a_training_loop() -> None:
     env = gymnasium.make("fgenv.envs:fgenv/swap-v0", n=3, others="plan:composite")
     assert isinstance(env.unwrapped, FleetEnv)
     for seed in range(2):
@@ -147,11 +147,11 @@ def test_others_may_be_planned_in_a_training_loop() -> None:
             env.step(env.action_space.sample())
 
 
-# What goes wrong
+# Errors
 
 
 def blocked(tmp_path: Path) -> Scenario:
-    """A scenario without a way."""
+    """Return a scenario without a solution."""
     wall = {"kind": "block", "size": [0.2, 30.0, 2.0]}
     scenario = alone("holonomic", 1)
     low, high = [-6.0, -6.0], [6.0, 6.0]
@@ -174,24 +174,24 @@ def test_a_world_without_a_plan_rests_with_a_warning_or_is_an_error(tmp_path: Pa
         PlanPolicy(time_limit=0.3, strict=True).reset(View(simulator))
 
 
-def test_way_points_that_back_up_are_refused() -> None:
+def test_plans_with_reverse_motion_by_way_points_raise() -> None:
     with pytest.raises(PlanningError, match="backs up, which way points do not; take actions="):
         driven("doorway", "plan:composite", n=2, actions="way_points")
 
 
-def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
+def test_a_plan_of_another_episode_raises(tmp_path: Path) -> None:
     fgenv.plan("swap", n=2, method="composite").save(tmp_path / "p.npz")
     policy = policy_of(f"plan:{tmp_path / 'p.npz'}")
     assert isinstance(policy, PlanPolicy)
     policy.strict = True
-    for options, told in (
+    for options, message in (
         ({"n": 3}, "got robots robot 1, robot 2, expected robot 1, robot 2, robot 3"),
         ({"n": 2, "time_step": 0.05}, "has steps of 0.1 s, the simulator of 0.05 s"),
         ({"n": 2, "size": 9.0}, "'robot 1' begins elsewhere"),
     ):
         simulator = Simulator("swap", **options)  # type: ignore[arg-type]
         simulator.reset(seed=0)
-        with pytest.raises(PlanningError, match=told):
+        with pytest.raises(PlanningError, match=message):
             policy.reset(View(simulator))
     assert (
         Results.of(run_episode(Simulator("swap", n=2, autoreset=False), policy)).success_rate == 1
@@ -199,7 +199,7 @@ def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "message"),
     [
         (
             "plan:compsite",
@@ -214,6 +214,6 @@ def test_a_plan_of_another_episode_is_refused(tmp_path: Path) -> None:
         ("plann", "policy: got 'plann', .*; did you mean 'plan'"),
     ],
 )
-def test_what_is_not_known_is_told(name: str, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+def test_unknown_names_raise(name: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         policy_of(name)

@@ -1,4 +1,4 @@
-"""Policies: each goes by the one protocol; goto alone reaches every goal in free space."""
+"""Policies: the protocol, and `goto` in free space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NAMES = ("goto", "orca", "random", "rest", "plan", "replan")
 
 
 def begun(policy: str, simulator: Simulator, seed: int = 0) -> np.ndarray:
-    """The first actions of a policy."""
+    """Return the first actions of a policy."""
     made = policy_of(policy, seed)
     observations = simulator.reset(seed=0)
     made.reset(View(simulator))
@@ -24,7 +24,7 @@ def begun(policy: str, simulator: Simulator, seed: int = 0) -> np.ndarray:
 
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("kind", DRIVES)
-def test_goto_alone_reaches_every_goal_in_free_space(kind: str, mode: str) -> None:
+def test_goto_reaches_every_goal_in_free_space(kind: str, mode: str) -> None:
     for seed in range(12):
         simulator = Simulator(alone(kind, seed), actions=mode, autoreset=False)
         run_episode(simulator, GoToPolicy())
@@ -34,7 +34,7 @@ def test_goto_alone_reaches_every_goal_in_free_space(kind: str, mode: str) -> No
 
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("kind", DRIVES)
-def test_rest_stays_where_it_is(kind: str, mode: str) -> None:
+def test_rest_does_not_move(kind: str, mode: str) -> None:
     simulator = Simulator(alone(kind), actions=mode, autoreset=False)
     record = run_episode(simulator, policy_of("rest"), steps=20)
     at = record["configurations"]
@@ -44,13 +44,15 @@ def test_rest_stays_where_it_is(kind: str, mode: str) -> None:
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("policy", NAMES)
 @pytest.mark.parametrize("name", ["swap", "forest", "cell"])
-def test_actions_are_of_the_wanted_shape_and_range(name: str, policy: str, mode: str) -> None:
+def test_actions_have_the_expected_shape_and_range(name: str, policy: str, mode: str) -> None:
     simulator = Simulator(name, 3, n=2, actions=mode)
     if policy == "orca" and name != "swap":
         with pytest.raises(ValueError, match="expected discs on a plane"):
             begun(policy, simulator)
         return
-    method = ":composite" if policy in ("plan", "replan") else ""  # the fastest of two robots
+    method = (
+        ":composite" if policy in ("plan", "replan") else ""
+    )  # the fastest method for two robots
     actions = begun(policy + method, simulator)
     assert actions.shape == (3, 2, simulator.action_size)
     assert actions.dtype == np.float64
@@ -65,7 +67,7 @@ def test_same_seed_same_actions() -> None:
     assert (a != c).all()
 
 
-def test_random_acts_otherwise_in_the_next_episode() -> None:
+def test_random_differs_between_episodes() -> None:
     simulator, policy = Simulator("swap", n=4), RandomPolicy(5)
     acts = []
     for _ in range(2):
@@ -75,7 +77,7 @@ def test_random_acts_otherwise_in_the_next_episode() -> None:
     assert (acts[0] != acts[1]).all()
 
 
-def test_a_policy_may_be_anything_that_acts() -> None:
+def test_any_class_with_the_protocol_is_a_policy() -> None:
     class Circle:
         def reset(self, view: View) -> None:
             self.shape = view.n_worlds, view.n_robots, view.action_size
@@ -87,7 +89,7 @@ def test_a_policy_may_be_anything_that_acts() -> None:
     assert (len(record), record.policy) == (7, "Circle")
 
 
-def test_unknown_policy_is_told_with_the_nearest() -> None:
+def test_unknown_policy_raises_with_the_closest_name() -> None:
     with pytest.raises(ValueError, match=r"policy: got 'gotoo', .*; did you mean 'goto'\?"):
         policy_of("gotoo")
     with pytest.raises(ValueError, match=r"expected one of: goto, .*random, rest"):
@@ -97,17 +99,17 @@ def test_unknown_policy_is_told_with_the_nearest() -> None:
 
 
 @pytest.mark.parametrize("policy", NAMES)
-def test_acting_before_reset_is_told(policy: str) -> None:
+def test_acting_before_reset_raises(policy: str) -> None:
     with pytest.raises(RuntimeError, match="act before reset"):
         policy_of(policy).act(np.zeros((1, 1, 1), dtype=np.float32))
 
 
-def test_several_worlds_are_no_episode() -> None:
+def test_an_episode_of_several_worlds_raises() -> None:
     with pytest.raises(ValueError, match="simulator: has 3 worlds, expected one"):
         run_episode(Simulator("swap", 3, n=2, autoreset=False), GoToPolicy())
 
 
-def test_a_view_follows_its_simulator_and_changes_nothing() -> None:
+def test_a_view_follows_its_simulator_read_only() -> None:
     simulator = Simulator("swap", n=2, autoreset=False)
     view = View(simulator)
     simulator.reset(seed=0)
@@ -128,7 +130,7 @@ def test_a_view_follows_its_simulator_and_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_wrong_targets_are_told(mode: str) -> None:
+def test_invalid_targets_raise(mode: str) -> None:
     simulator = Simulator("swap", n=2, actions=mode)
     simulator.reset(seed=0)
     view = View(simulator)

@@ -1,4 +1,4 @@
-"""Files of policies: whole, verified, and refused where they do not fit."""
+"""Policy files: round trip, verification, and errors."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ SEEN = Observation(lidar=False, neighbors=2, pad=True)
 
 
 def made(near: float = 0.0, **about: Any) -> PolicyFile:
-    """A small one for `swap` of discs."""
+    """Return a small policy for `swap` of discs."""
     rng, sizes = np.random.default_rng(0), (20, 5, 2)
     layers = tuple((rng.normal(size=s), rng.normal(size=s[1])) for s in zip(sizes, sizes[1:]))  # noqa: B905, RUF007
-    told = {
+    message = {
         "observation": asdict(SEEN),
         "parts": [["goal", 4], ["velocity", 2], ["neighbors", 14]],
         "actions": "drive",
@@ -30,10 +30,10 @@ def made(near: float = 0.0, **about: Any) -> PolicyFile:
         "clip": 10.0,
         **about,
     }
-    return PolicyFile(told, rng.normal(size=20), rng.uniform(0.5, 2.0, 20), layers)
+    return PolicyFile(message, rng.normal(size=20), rng.uniform(0.5, 2.0, 20), layers)
 
 
-def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
+def test_save_and_load(tmp_path: Path) -> None:
     file = made(name="mine", command="by hand", seed=7)
     file.save(tmp_path / "policy.npz")
     again = PolicyFile.load(tmp_path / "policy.npz")
@@ -43,7 +43,7 @@ def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
     assert (tmp_path / "policy.npz").stat().st_size < 5_000
 
 
-def test_it_acts_as_its_numbers_say() -> None:
+def test_actions_follow_from_the_weights() -> None:
     file = made()
     policy, simulator = NetworkPolicy(file), Simulator("swap", 3, n=4, observation=SEEN)
     rows = simulator.reset(seed=0)
@@ -54,7 +54,7 @@ def test_it_acts_as_its_numbers_say() -> None:
     np.testing.assert_allclose(policy.act(rows), expected, atol=1e-12)
 
 
-def test_near_its_goal_goto_takes_over() -> None:
+def test_goto_acts_near_the_goal() -> None:
     file = made(near=4.0)
     plain, added = NetworkPolicy(made()), NetworkPolicy(file)
     simulator = Simulator("swap", n=4, jitter=0.3, seed=5, observation=SEEN)
@@ -66,8 +66,8 @@ def test_near_its_goal_goto_takes_over() -> None:
     np.testing.assert_array_equal(added.act(rows), np.where(there, goto, plain.act(rows)))
 
 
-def test_way_points_have_numbers_of_their_own(tmp_path: Path) -> None:
-    """They are configurations: three numbers for a drive of two."""
+def test_way_points_have_another_action_size(tmp_path: Path) -> None:
+    """Way points are configurations: three numbers for a drive with two."""
     file = made(actions="way_points")
     (first, (w, b)) = file.layers
     wider = (np.concatenate([w, w[:, :1]], axis=1), np.concatenate([b, b[:1]]))
@@ -79,7 +79,7 @@ def test_way_points_have_numbers_of_their_own(tmp_path: Path) -> None:
     assert policy.act(rows).shape == (1, 3, simulator.action_size) == (1, 3, 3)
 
 
-def test_damage_is_found(tmp_path: Path) -> None:
+def test_damaged_files_raise(tmp_path: Path) -> None:
     path = tmp_path / "policy.npz"
     made().save(path)
     whole = path.read_bytes()
@@ -102,7 +102,7 @@ def _saved(folder: Path) -> Path:
     return folder / "good.npz"
 
 
-def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
+def test_inconsistent_contents_raise(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         PolicyFile.load(tmp_path / "none.npz")
     with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
@@ -111,13 +111,13 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         made(activation="gelu")
     with pytest.raises(PolicyError, match=r"mean, std: expected \(6,\)"):
         made(parts=[["goal", 4], ["velocity", 2]])
-    for change, told in (
+    for change, message in (
         ({"layers": ()}, "layers: got none, expected from 20 to 2"),
         ({"layers": made().layers[:1]}, "layers: got from 20 to 5 numbers, expected from 20 to 2"),
         ({"mean": np.full(20, np.nan)}, "mean, std: expected finite numbers"),
         ({"about": {"near": 0.0}}, "action_names, actions, activation, clip, .* missing"),
     ):
-        with pytest.raises(PolicyError, match=told):
+        with pytest.raises(PolicyError, match=message):
             replace(made(), **change)
     with pytest.raises(
         ValueError, match="policy: got 'mlp:', expected mlp:FILE or an included policy: mlp:"
@@ -129,7 +129,7 @@ def test_what_does_not_fit_is_told(tmp_path: Path) -> None:
         policy_of(f"sb3:{tmp_path / 'model.zip'}")
 
 
-def test_other_packages_offer_policies(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_policies_of_entry_points(monkeypatch: pytest.MonkeyPatch) -> None:
     class Point:
         @staticmethod
         def load() -> Any:

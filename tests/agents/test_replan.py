@@ -1,4 +1,4 @@
-"""Policy `replan`: the world as it is, not as the plan took it."""
+"""Policy `replan`: worlds that differ from the plan."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fgenv.metrics import Results
 
 
 class Mixed:
-    """A robot by another policy than all others."""
+    """One robot follows another policy than the others."""
 
     def __init__(self, policy: Policy, other: Policy) -> None:
         self.both = policy, other
@@ -29,7 +29,7 @@ class Mixed:
 
 
 @pytest.mark.parametrize(("name", "n"), [("swap", 4), ("doorway", 3), ("cell", 2)])
-def test_where_nothing_happens_it_is_the_plan(name: str, n: int) -> None:
+def test_without_disturbance_robots_follow_the_plan(name: str, n: int) -> None:
     results, policy = driven(name, "replan:composite", n=n)
     assert isinstance(policy, ReplanPolicy)
     assert results.success_rate == 1.0
@@ -38,7 +38,7 @@ def test_where_nothing_happens_it_is_the_plan(name: str, n: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["swap", "warehouse"])
-def test_others_go_around_who_never_comes(name: str) -> None:
+def test_robots_drive_around_a_stopped_robot(name: str) -> None:
     simulator, policy = Simulator(name, n=4, autoreset=False), ReplanPolicy("prioritized")
     record = run_episode(simulator, Held(policy, 1, 10, 10_000), steps=200)
     results = Results.of(record)
@@ -47,7 +47,7 @@ def test_others_go_around_who_never_comes(name: str) -> None:
     assert sum(robot.success for robot in results.robots) == 3
 
 
-def test_who_comes_later_is_counted_on_again() -> None:
+def test_a_stray_that_rests_is_planned_for_again() -> None:
     simulator, policy = Simulator("swap", n=4, autoreset=False), ReplanPolicy("prioritized")
     results = Results.of(run_episode(simulator, Held(policy, 1, 10, 60)))
     assert results.success_rate == 1.0
@@ -55,18 +55,18 @@ def test_who_comes_later_is_counted_on_again() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_nobody_drives_into_a_robot_that_another_policy_moves(seed: int) -> None:
+def test_no_robot_drives_into_one_of_another_policy(seed: int) -> None:
     simulator = Simulator("swap", n=4, seed=seed, jitter=0.3, autoreset=False)
     policy = ReplanPolicy("prioritized", seed=seed)
     record = run_episode(simulator, Mixed(policy, policy_of("random", seed)), steps=100)
-    # Nobody meets anybody but the one, and that only where it moves into their way meanwhile.
+    # Collisions involve that robot only, when it moves into the way of others.
     met = record["hit_robots"][:, 1:]
     assert np.isin(met, (-1, 0)).all()
     assert (record["hits"][:, 0] >= 0)[(met == 0).any(axis=1)].all()
     assert sum(robot.success for robot in Results.of(record).robots[1:]) >= 1
 
 
-def test_the_situation_has_who_stands_as_a_body() -> None:
+def test_the_problem_has_resting_robots_as_bodies() -> None:
     simulator = Simulator("swap", n=3)
     simulator.reset(seed=0)
     q = simulator.configurations[0]
@@ -78,7 +78,7 @@ def test_the_situation_has_who_stands_as_a_body() -> None:
     np.testing.assert_allclose(world.poses("robot 3"), like.poses("robot 3"), atol=1e-12)
 
 
-def test_onward_is_as_before() -> None:
+def test_strays_continue_their_motion() -> None:
     (robot,) = Simulator("swap", n=1).robots
     rows = onward(robot, np.array([0.0, 0.0, 3.0]), np.array([0.1, 0.2, -3.1]), 2)
     turn = 2 * np.pi - 6.1

@@ -1,4 +1,4 @@
-"""What is made of a network's output: beside `goto` or ORCA, along a path, and near the goal."""
+"""Residual actions: over `goto` or ORCA, along a path, and near the goal."""
 
 import numpy as np
 import pytest
@@ -19,13 +19,13 @@ def view() -> View:
 
 
 def acting(base: ResidualConfig, view: View) -> ResidualController:
-    """What makes actions in the simulator of a view."""
+    """Return a controller for the simulator of a view."""
     made = ResidualController(base)
     made.reset(view)
     return made
 
 
-def test_an_output_of_nothing_goes_along_the_path(view: View) -> None:
+def test_a_zero_output_follows_the_path(view: View) -> None:
     seen = view._simulator.observe()
     asked = np.zeros((2, 3, 2))
     found = acting(ResidualConfig(residual=2.0), view).actions(asked, seen)
@@ -33,14 +33,14 @@ def test_an_output_of_nothing_goes_along_the_path(view: View) -> None:
     assert (acting(ResidualConfig(), view).actions(asked, seen) == asked).all()
 
 
-def test_a_residual_takes_over_whatever_goto_does(view: View) -> None:
+def test_a_large_residual_overrides_goto(view: View) -> None:
     seen = view._simulator.observe()
     for end in (-1.0, 1.0):
         asked = np.full((2, 3, 2), end)
         assert (acting(ResidualConfig(residual=2.0), view).actions(asked, seen) == end).all()
 
 
-def test_targets_are_where_the_hint_is_and_looked_at_on_the_way(view: View) -> None:
+def test_targets_are_at_the_hint_and_faced(view: View) -> None:
     simulator = view._simulator
     q, seen = simulator.configurations, simulator.observe()
     found = path_targets(view, seen)
@@ -52,11 +52,11 @@ def test_targets_are_where_the_hint_is_and_looked_at_on_the_way(view: View) -> N
     )
     np.testing.assert_allclose(found[..., :2], expected, atol=1e-6)
     ahead = expected - q[..., :2]
-    assert (simulator.remaining > np.pi / 2.0).all()  # s that it turns, at 1 m/s: not yet
+    assert (simulator.remaining > np.pi / 2.0).all()  # s of turning at 1 m/s: too far
     np.testing.assert_allclose(found[..., 2], np.arctan2(ahead[..., 1], ahead[..., 0]), atol=1e-5)
 
 
-def test_who_has_to_turn_at_its_goal_begins_in_time() -> None:
+def test_a_robot_turns_on_the_way_to_its_goal() -> None:
     simulator = Simulator("random", n=1, fill=0.0, drive="holonomic", autoreset=False)
     simulator.reset(seed=0)
     simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 0.0, np.pi])
@@ -67,16 +67,16 @@ def test_who_has_to_turn_at_its_goal_begins_in_time() -> None:
         assert yaw == pytest.approx(0.0) or simulator.remaining[0, 0] < np.pi / 2 + 1e-6
         seen = simulator.step(base.actions(nothing, seen)).observations
         steps += 1
-    assert steps == pytest.approx(40, abs=2)  # 4 m at 1 m/s: the turn costs nothing
+    assert steps == pytest.approx(40, abs=2)  # 4 m at 1 m/s; the turn takes no extra time
 
 
-def test_without_a_plane_targets_are_goals() -> None:
+def test_targets_of_other_bases_are_goals() -> None:
     simulator = Simulator("forest", n=2)
     simulator.reset(seed=0)
     assert (path_targets(View(simulator), simulator.observe()) == simulator.goals).all()
 
 
-def test_near_its_goal_a_robot_does_what_goto_does(view: View) -> None:
+def test_goto_acts_near_the_goal(view: View) -> None:
     seen = view._simulator.observe()
     far = float(np.mean(view.remaining))
     asked = np.full((2, 3, 2), 0.25)
@@ -87,7 +87,7 @@ def test_near_its_goal_a_robot_does_what_goto_does(view: View) -> None:
     assert (found[~near] == 0.25).all()
 
 
-def test_who_follows_its_path_alone_arrives() -> None:
+def test_a_robot_that_follows_its_path_arrives() -> None:
     simulator = Simulator("doorway", n=1, drive="holonomic", observation=HINT, autoreset=False)
     for seed in range(5):
         seen = simulator.reset(seed=seed)
@@ -100,7 +100,7 @@ def test_who_follows_its_path_alone_arrives() -> None:
         assert simulator.arrival_steps[0, 0] > 0
 
 
-def test_an_output_of_nothing_over_orca_is_orca(view: View) -> None:
+def test_a_zero_output_over_orca_is_orca(view: View) -> None:
     seen = view._simulator.observe()
     orca = OrcaPolicy.guided()
     orca.reset(view)
@@ -108,19 +108,19 @@ def test_an_output_of_nothing_over_orca_is_orca(view: View) -> None:
     assert (base.actions(np.zeros((2, 3, 2)), seen) == orca.act(seen)).all()
 
 
-def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
+def test_over_orca_the_output_shifts_the_preferred_velocity() -> None:
     simulator = Simulator("random", n=2, fill=0.0, drive="holonomic", autoreset=False)
     simulator.reset(seed=0)
-    ahead = np.array([np.cos(0.5), np.sin(0.5)])  # it looks there, so that it does not turn
+    ahead = np.array([np.cos(0.5), np.sin(0.5)])  # faces the goal, so that it does not turn
     simulator.place(0, 0, [0.0, 0.0, 0.5], [*(3.0 * ahead), 0.5])
     simulator.place(0, 1, [0.0, 6.0, 0.0], [3.0, 6.0, 0.0])
     base = acting(ResidualConfig(residual=2.0, orca=True), View(simulator))
     asked = np.zeros((1, 2, 3))
-    asked[0, 0, 1] = 1.0  # to its left, where the other one goes
+    asked[0, 0, 1] = 1.0  # left, toward the other robot
     seen = simulator.observe()
     seen = simulator.step(base.actions(asked, seen)).observations
     v = ahead + 2.0 * np.array([-ahead[1], ahead[0]])
-    by = 0.1 * v / np.linalg.norm(v)  # at 1 m/s, with nobody near yet
+    by = 0.1 * v / np.linalg.norm(v)  # at 1 m/s, without near robots
     np.testing.assert_allclose(simulator.configurations[0, 0, :2], by, atol=1e-6)
     simulator.place(0, 1, [0.0, 2.0, 0.0], [3.0, 2.0, 0.0])
     for _ in range(20):
@@ -129,7 +129,7 @@ def test_over_orca_an_output_asks_for_a_velocity_and_orca_avoids() -> None:
     assert simulator.configurations[0, 0, 1] > 1.0
 
 
-def test_near_its_goal_no_output_counts_over_orca(view: View) -> None:
+def test_near_the_goal_the_output_is_ignored_over_orca(view: View) -> None:
     seen = view._simulator.observe()
     near = float(np.mean(view.remaining))
     base = acting(ResidualConfig(near=near, residual=1.5, orca=True), view)
@@ -141,7 +141,7 @@ def test_near_its_goal_no_output_counts_over_orca(view: View) -> None:
     assert not same[~near].all()
 
 
-def test_orca_over_no_plane_is_told() -> None:
+def test_orca_without_planar_bases_raises() -> None:
     simulator = Simulator("forest", n=2)
     simulator.reset(seed=0)
     with pytest.raises(ValueError, match="orca: 'robot 1' has a free base"):

@@ -1,4 +1,4 @@
-"""The safety filter, and the look ahead that it has from its view."""
+"""The safety filter, and the prediction by its view."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from fgenv.envs import Simulator, View, policy_of
 
 
 def collisions(name: str, policy: str, **options: object) -> int:
-    """Robot steps in contact of six worlds in 60 steps."""
+    """Return the number of robot steps in contact in six worlds over 60 steps."""
     simulator = Simulator(name, 6, starts="random", autoreset=False, **options)
     rows, acting = simulator.reset(seed=3), policy_of(policy, 1)
     acting.reset(View(simulator))
@@ -30,16 +30,16 @@ def collisions(name: str, policy: str, **options: object) -> int:
     ],
 )
 @pytest.mark.parametrize("policy", ["goto", "random"])
-def test_nobody_meets_anything_behind_the_filter(name: str, options: dict, policy: str) -> None:
+def test_filtered_policies_have_no_collisions(name: str, options: dict, policy: str) -> None:
     assert collisions(name, policy, **options) > 0
     assert collisions(name, f"safe:{policy}", **options) == 0
 
 
-def test_who_cannot_stop_in_a_step_brakes_at_least() -> None:
+def test_drives_with_an_acceleration_limit_have_fewer_collisions() -> None:
     assert 0 < collisions("forest", "safe:goto", n=4) < collisions("forest", "goto", n=4)
 
 
-def test_what_the_view_foresees_is_what_happens() -> None:
+def test_the_view_predicts_the_collisions_of_a_step() -> None:
     simulator = Simulator("doorway", 5, n=6, starts="random")
     simulator.reset(seed=0)
     view, rng, seen = View(simulator), np.random.default_rng(0), 0
@@ -53,12 +53,12 @@ def test_what_the_view_foresees_is_what_happens() -> None:
     assert seen > 10
 
 
-def test_a_filter_takes_what_its_policy_observes() -> None:
+def test_a_filter_has_the_observation_of_its_policy() -> None:
     inner, outer = policy_of("mlp:swap-holonomic"), policy_of("safe:mlp:swap-holonomic")
     assert outer.observation == inner.observation
     assert outer.actions == "drive"
 
 
-def test_a_filter_of_nothing_is_told() -> None:
-    with pytest.raises(ValueError, match="policy: got 'nobody', which is unknown"):
-        policy_of("safe:nobody")
+def test_a_filter_of_an_unknown_policy_raises() -> None:
+    with pytest.raises(ValueError, match="policy: got 'unknown', which is unknown"):
+        policy_of("safe:unknown")

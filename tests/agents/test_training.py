@@ -1,4 +1,4 @@
-"""Training: a file that runs without PyTorch, the same for the same seed, and what goes with it."""
+"""Training: files, determinism, and resuming."""
 
 from __future__ import annotations
 
@@ -41,20 +41,20 @@ SWAP = replace(recipe_of("swap"), **SMALL, stages=FEW)
 def trained(
     folder: Path, recipe: Recipe = SWAP, *, resume: bool = False, **fields: Any
 ) -> PolicyFile:
-    """A training of some thousand steps."""
+    """Run a training of some thousand steps."""
     given = {"scenario": "swap", "steps": 2_000, "every": 1_000, **fields}
     return Training(TrainingConfig(recipe=recipe, **given), folder, resume=resume).run()
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where a training has written."""
+    """Folder of a training."""
     made = tmp_path_factory.mktemp("training")
     trained(made)
     return made
 
 
-def test_it_writes_what_it_says(folder: Path) -> None:
+def test_files_of_a_training(folder: Path) -> None:
     rows = (folder / "evaluations.csv").read_text().splitlines()
     assert rows[0].startswith("steps,success")
     assert [row.split(",")[0] for row in rows] == ["steps", "1152", "2304"]
@@ -63,7 +63,7 @@ def test_it_writes_what_it_says(folder: Path) -> None:
     assert list((folder / "log").rglob("progress.csv"))
 
 
-def test_the_file_runs_without_torch(folder: Path) -> None:
+def test_the_policy_runs_without_torch(folder: Path) -> None:
     code = (
         "import sys; from fgenv.agents import run_episode; from fgenv.envs import policy_of;"
         "from fgenv.envs import Simulator;"
@@ -75,7 +75,7 @@ def test_the_file_runs_without_torch(folder: Path) -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_the_network_acts_as_the_model_does(folder: Path) -> None:
+def test_the_exported_network_equals_the_model(folder: Path) -> None:
     model, acts = Sb3Policy(folder / "model.zip"), []
     training = Training(TrainingConfig("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
     training.begin_stage(0)
@@ -90,7 +90,7 @@ def test_the_network_acts_as_the_model_does(folder: Path) -> None:
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
 
 
-def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_path: Path) -> None:
+def test_over_orca_with_held_noise_the_exported_network_equals_the_model(tmp_path: Path) -> None:
     recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12}, sde_sample_freq=8)
     assert recipe.orca
     given = {"recipe": recipe, "scenario": "doorway", "overrides": {"drive": "holonomic"}}
@@ -113,7 +113,7 @@ def test_over_orca_with_noise_that_is_held_the_file_acts_as_the_model_does(tmp_p
             acts[-1].append(policy.act(rows))
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
     policy = NetworkPolicy(file)
-    seen = replace(policy.observation, pad=False)  # rows of two neighbors, of the six it knows
+    seen = replace(policy.observation, pad=False)  # two neighbors instead of six
     simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=seen)
     rows = simulator.reset(seed=0)
     policy.reset(View(simulator))
@@ -128,7 +128,7 @@ def test_same_seed_same_file(folder: Path, tmp_path: Path) -> None:
     assert trained(tmp_path / "other", seed=1).id != PolicyFile.load(folder / "policy.npz").id
 
 
-def test_it_goes_on_where_it_was(tmp_path: Path) -> None:
+def test_resume_continues(tmp_path: Path) -> None:
     recipe = replace(SWAP, stages=(Stage(1.0, base={"n": 2}),))
     trained(tmp_path, recipe, steps=1_000)
     trained(tmp_path, recipe, steps=3_000, resume=True)
@@ -140,20 +140,20 @@ def test_it_goes_on_where_it_was(tmp_path: Path) -> None:
         trained(tmp_path / "empty", recipe, resume=True)
 
 
-def test_a_scenario_file_is_trained_on(tmp_path: Path) -> None:
+def test_training_on_a_scenario_file(tmp_path: Path) -> None:
     Scenario.load("swap", n=2).save(tmp_path / "two.yaml")
     recipe = replace(recipe_of("swap"), **SMALL, stages=(Stage(1.0, "random"),))
     file = trained(tmp_path, recipe, scenario=str(tmp_path / "two.yaml"), steps=600, every=512)
     assert file.about["steps"] >= 512
 
 
-def test_a_recipe_is_whole() -> None:
+def test_recipes_are_complete() -> None:
     for name, _, recipe in RECIPES:
         assert sum(stage.share for stage in recipe.stages) == pytest.approx(1.0), name
         assert recipe.observation.pad, name
 
 
-def test_the_most_special_recipe_is_taken() -> None:
+def test_the_most_specific_recipe_is_used() -> None:
     assert recipe_of("swap", {"n": 4, "drive": "holonomic"}) == recipe_of(
         "swap", {"drive": "holonomic"}
     )
@@ -164,7 +164,7 @@ def test_the_most_special_recipe_is_taken() -> None:
     assert recipe_of("mine.yaml", {"n": 4}) == recipe_of("other")
 
 
-def test_the_learning_rate_falls_to_nothing(tmp_path: Path) -> None:
+def test_the_learning_rate_decreases_to_zero(tmp_path: Path) -> None:
     falling = replace(SWAP, anneal=True)
     training = Training(TrainingConfig("swap", falling, {"n": 3}, 2000, 0, "", 1000), tmp_path)
     rates = []
@@ -195,7 +195,7 @@ def test_the_command_trains_and_runs(
     assert found[1]["steps"] == found[2]["steps"] == 3
 
 
-def test_an_older_policy_in_the_folder_is_not_its_own(
+def test_an_older_policy_in_the_folder_is_not_reported(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     def interrupt(*_: Any) -> None:
@@ -210,13 +210,13 @@ def test_an_older_policy_in_the_folder_is_not_its_own(
         with pytest.raises(SystemExit) as stopped:
             cli.main()
         assert stopped.value.code == 130
-        told = capsys.readouterr()
-        assert "written" not in told.out
-        assert "before the first evaluation" in told.out + told.err
-    assert json.loads(told.out)["policy"] is None
+        message = capsys.readouterr()
+        assert "written" not in message.out
+        assert "before the first evaluation" in message.out + message.err
+    assert json.loads(message.out)["policy"] is None
 
 
-def test_what_begins_anew_is_not_resumed_from_what_was_there(folder: Path, tmp_path: Path) -> None:
+def test_a_new_training_removes_the_older_one(folder: Path, tmp_path: Path) -> None:
     there = tmp_path / "there"
     shutil.copytree(folder, there)
     expected = TrainingConfig("swap", SWAP, steps=2_000, every=1_000)
@@ -227,7 +227,7 @@ def test_what_begins_anew_is_not_resumed_from_what_was_there(folder: Path, tmp_p
 
 
 @pytest.mark.parametrize("suffix", [".pkl", ".json"])
-def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str) -> None:
+def test_damaged_files_beside_a_model_raise(folder: Path, tmp_path: Path, suffix: str) -> None:
     (tmp_path / "model.zip").write_bytes((folder / "model.zip").read_bytes())
     for junk in (b"junk", b"", b"[1]"):
         (tmp_path / f"model{suffix}").write_bytes(junk)
@@ -235,9 +235,9 @@ def test_damage_beside_a_model_is_told(folder: Path, tmp_path: Path, suffix: str
             Sb3Policy(tmp_path / "model.zip")
 
 
-def test_other_robots_are_refused(folder: Path) -> None:
+def test_other_robots_raise(folder: Path) -> None:
     policy = policy_of(f"mlp:{folder / 'policy.npz'}")
-    for scenario, told in (
+    for scenario, message in (
         (Simulator("swap", n=4, observation=None), r"observes .*lidar \(36\).*expected goal \(4\)"),
         (
             Simulator("swap", n=4, body="l", observation=policy.observation),
@@ -245,7 +245,7 @@ def test_other_robots_are_refused(folder: Path) -> None:
         ),
     ):
         scenario.reset(seed=0)
-        with pytest.raises(ValueError, match=told):
+        with pytest.raises(ValueError, match=message):
             policy.reset(View(scenario))
     for model in (Sb3Policy(folder / "model.zip"),):
         simulator = Simulator("swap", n=4)
@@ -264,6 +264,6 @@ def test_fewer_robots_are_padded(folder: Path) -> None:
 
 
 def run_episode_actions(simulator: Simulator, policy: Any) -> Any:
-    """What a policy does in ten steps."""
+    """Return the actions of a policy in ten steps."""
     simulator.autoreset = False
     return run_episode(simulator, policy, steps=10)["actions"]

@@ -1,4 +1,4 @@
-"""Policies that come along do what is told of them, to the digit."""
+"""The included policies have exactly the scores of the benchmark."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fgenv.bench.policies.run import chosen
 from fgenv.envs import policy_of
 from fgenv.scenarios import frozen
 
-# Of the first 12 cases of a set of `fgenv bench policies`: successes, and steps of the longest
+# For the first 12 cases of a set of `fgenv bench policies`: successes, and steps of the longest
 KNOWN = {
     "swap 4 jittered holonomic": (12, 56),
     "swap 8 jittered holonomic": (12, 58),
@@ -54,14 +54,14 @@ KNOWN = {
 
 
 @pytest.mark.parametrize("name", included())
-def test_files_are_small_and_tell_where_they_come_from(name: str) -> None:
+def test_files_are_small_and_have_their_command(name: str) -> None:
     policy = policy_of(f"mlp:{name}")
     assert isinstance(policy, NetworkPolicy)
     assert policy.file.about["command"].startswith("fgenv train ")
     assert included()[name].stat().st_size < 200_000
 
 
-def test_all_sets_are_known() -> None:
+def test_all_sets_have_scores() -> None:
     assert {trial.name for trial in chosen("shipped")} == set(KNOWN)
 
 
@@ -71,7 +71,7 @@ def marked(name: str) -> Any:
 
 
 @pytest.mark.parametrize("name", [marked(name) for name in KNOWN])
-def test_scores_are_as_told(name: str) -> None:
+def test_scores_are_unchanged(name: str) -> None:
     (trial,) = (trial for trial in chosen("shipped") if trial.name == name)
     cases = frozen(trial.scenario, cases=12, **trial.overrides)
     found = run_cases(cases, policy_of(f"mlp:{trial.policy}"), range(12), clearance=False)

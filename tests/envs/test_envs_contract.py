@@ -1,4 +1,4 @@
-"""The laws of the simulator and of its faces on several scenarios; the tests see faults."""
+"""Contract tests of simulators and environments; they detect violations."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_environments(name: str) -> None:
     environment_test(functools.partial(fgenv.parallel_env, **options), steps=25)
 
 
-def test_learners() -> None:
+def test_learning_robots() -> None:
     make = functools.partial(gymnasium.make, "fgenv/swap-v0", n=3, starts="random", max_steps=20)
     environment_test(make, steps=25)
     environment_test(lambda: make().unwrapped, steps=25)
@@ -62,15 +62,15 @@ def test_scenarios(name: str) -> None:
 
 
 def digest(threads: int) -> str:
-    """Of all that long rollouts give, over ends of episodes."""
+    """Return a hash of the results of long rollouts over several episodes."""
     rng, found = np.random.default_rng(0), hashlib.sha256()
     for name, worlds, starts in (("swap", 5, "random"), ("forest", 2, "random"), ("cell", 2, "")):
         ways: dict[str, Any] = {"n": 3, "clearance": True, "starts": starts or "scenario"}
         simulator = Simulator(name, worlds, threads=threads, max_steps=30, **ways)
         found.update(simulator.reset(seed=1).tobytes())
         for _ in range(45):
-            told = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
-            for array in [*told, simulator.clearances, simulator.configurations]:
+            message = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
+            for array in [*message, simulator.clearances, simulator.configurations]:
                 found.update(array.tobytes())
     env = fgenv.parallel_env("swap", n=4, jitter=0.5, max_cycles=30, threads=threads)
     env.reset(seed=2)
@@ -81,8 +81,8 @@ def digest(threads: int) -> str:
     return found.hexdigest()
 
 
-def test_rollouts_are_the_same_for_all_threads_and_instruction_sets() -> None:
-    """The usual set is the best that the processor has, the other is the baseline."""
+def test_rollouts_are_equal_for_all_threads_and_instruction_sets() -> None:
+    """The default set is the best of the processor; the other one is the baseline."""
     code = "from envs.test_envs_contract import digest; print(digest(1))"
     env = {**os.environ, "FGENV_ISA": "baseline", "PYTHONPATH": str(TESTS)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=env)
@@ -92,12 +92,12 @@ def test_rollouts_are_the_same_for_all_threads_and_instruction_sets() -> None:
 @settings(max_examples=15)
 @given(st.lists(st.tuples(st.sampled_from("rsncm"), st.integers(0, 5)), max_size=12))
 def test_any_order_of_calls_is_repeatable(calls: list[tuple[str, int]]) -> None:
-    """Reset with and without a seed, of some worlds, steps and copies, in any order."""
+    """Resets with and without a seed or of some worlds, steps and copies, in any order."""
 
     def play(through_copies: bool) -> list[bytes]:
         simulator = Simulator("swap", 3, n=3, starts="random", threads=1, max_steps=4)
         simulator.reset(seed=0)
-        told = []
+        message = []
         for what, k in calls:
             if what == "r":
                 simulator.reset(seed=k)
@@ -109,8 +109,8 @@ def test_any_order_of_calls_is_repeatable(calls: list[tuple[str, int]]) -> None:
                 simulator = copy.deepcopy(simulator)
             elif what == "s":
                 simulator.step(np.full((3, 3, 2), k / 5))
-            told.append(simulator.observe().tobytes() + simulator.state())
-        return told
+            message.append(simulator.observe().tobytes() + simulator.state())
+        return message
 
     assert play(False) == play(True)
 
@@ -128,7 +128,7 @@ def test_any_order_of_calls_is_repeatable(calls: list[tuple[str, int]]) -> None:
     ],
 )
 def test_before_the_first_reset_there_is_no_state(name: str, arguments: list[Any]) -> None:
-    """Robots are nowhere yet; asked for anyway, that was read from where nothing is."""
+    """Regression: reading a state before the first reset returned uninitialized memory."""
     simulator = Simulator("swap", n=2)
     for one in (simulator, copy.copy(simulator)):
         with pytest.raises(RuntimeError, match=f"{name}: before the first reset, call reset"):
@@ -136,7 +136,7 @@ def test_before_the_first_reset_there_is_no_state(name: str, arguments: list[Any
 
 
 class Drifting(FleetParallelEnv):
-    """Its rewards depend on how often it was made to step: no law."""
+    """A simulator whose rewards depend on the number of steps of all instances."""
 
     count = 0
 
@@ -146,7 +146,7 @@ class Drifting(FleetParallelEnv):
         return rows, {name: r + Drifting.count for name, r in rewards.items()}, *rest
 
 
-def test_a_fault_is_seen() -> None:
+def test_violations_are_detected() -> None:
     make = functools.partial(Simulator, "swap", 1, n=2, autoreset=False, max_steps=9, threads=1)
     with pytest.raises(AssertionError, match="the same seed gave another rollout"):
         environment_test(lambda: Drifting(make()), steps=9)

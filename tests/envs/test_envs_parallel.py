@@ -1,4 +1,4 @@
-"""PettingZoo's faces: the official tests, who is an agent when, what is told, what is refused."""
+"""PettingZoo environments: official tests, agents, infos and errors."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ turns = functools.partial(fgenv.env, "swap", n=4, jitter=0.5, threads=1)
 
 @pytest.fixture
 def _quiet() -> Iterator[None]:
-    """The official tests print, and advise on names."""
+    """The official tests print, and warn about names."""
     with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message="We recommend agents to be named")
@@ -45,7 +45,7 @@ def _quiet() -> Iterator[None]:
 
 @pytest.mark.usefixtures("_quiet")
 class TestOfficial:
-    """PettingZoo's own, with warnings as errors but for the names of agents."""
+    """PettingZoo's tests, with warnings as errors except for names of agents."""
 
     @pytest.mark.parametrize("name", ["swap", "cell"])
     def test_parallel_api(self, name: str) -> None:
@@ -78,8 +78,8 @@ def test_both_are_registered() -> None:
     assert len(pettingzoo.make("aec", "fgenv/swap-v0", n=3).possible_agents) == 3
 
 
-def test_it_is_the_simulator() -> None:
-    """A face adds nothing: rows, rewards and ends are the arrays of the simulator."""
+def test_results_equal_the_simulator() -> None:
+    """Observations, rewards and ends are the arrays of the simulator."""
     env, simulator = parallel(), Simulator("swap", n=4, jitter=0.5, threads=1)
     rows, _ = env.reset(seed=3)
     assert np.array_equal(np.array([*rows.values()]), simulator.reset(seed=3)[0])
@@ -92,7 +92,7 @@ def test_it_is_the_simulator() -> None:
 
 
 def one_is_near() -> FleetParallelEnv:
-    """Robot 1 is before its goal, the others are far from theirs."""
+    """Robot 1 is near its goal, the others are far from theirs."""
     env = parallel(max_cycles=9)
     env.reset(seed=0)
     start = env.simulator.goals[0, 0] + [-0.2, 0, 0]
@@ -104,7 +104,7 @@ def still(env: FleetParallelEnv) -> dict[str, Any]:
     return {name: np.zeros(2) for name in env.agents}
 
 
-def test_who_arrives_leaves() -> None:
+def test_robots_leave_on_arrival() -> None:
     env = one_is_near()
     _, rewards, ended, late, infos = env.step(still(env))
     assert ended == {"robot 1": True, "robot 2": False, "robot 3": False, "robot 4": False}
@@ -116,7 +116,7 @@ def test_who_arrives_leaves() -> None:
     assert [*rows] == ["robot 2", "robot 3", "robot 4"]
 
 
-def test_at_the_horizon_all_who_are_left_are_truncated() -> None:
+def test_remaining_robots_are_truncated_at_the_horizon() -> None:
     env = one_is_near()
     for _ in range(9):
         _, _, ended, late, _ = env.step(still(env))
@@ -125,7 +125,7 @@ def test_at_the_horizon_all_who_are_left_are_truncated() -> None:
     assert late == {"robot 2": True, "robot 3": True, "robot 4": True}
 
 
-def test_a_collision_is_told_and_may_end_all() -> None:
+def test_a_collision_is_in_infos_and_may_end_the_episode() -> None:
     env = parallel(on_collision="terminate", n=2, reward=Reward({"collision": -7.0}))
     env.reset(seed=0)
     goals = env.simulator.goals[0]
@@ -143,7 +143,7 @@ def test_a_collision_is_told_and_may_end_all() -> None:
     assert ended == {"robot 1": True, "robot 2": True}
 
 
-def test_clearance_is_told_where_it_is_measured() -> None:
+def test_infos_have_measured_clearances() -> None:
     assert "clearance" not in parallel().reset()[1]["robot 1"]
     env = parallel(clearance=True)
     env.reset()
@@ -152,7 +152,7 @@ def test_clearance_is_told_where_it_is_measured() -> None:
 
 
 def test_robots_may_differ() -> None:
-    """Each has spaces of its own size."""
+    """Spaces have a size per robot."""
     two = Scenario.load("swap", n=2)
     models = dict(two.models)
     name, model = next(iter(models.items()))
@@ -176,18 +176,18 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("bad", "told"), BAD)
-def test_bad_actions_change_nothing(bad: dict[str, Any], told: str) -> None:
+@pytest.mark.parametrize(("bad", "message"), BAD)
+def test_invalid_actions_change_nothing(bad: dict[str, Any], message: str) -> None:
     env = parallel()
     env.reset(seed=0)
     before = env.simulator.state()
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=message):
         env.step({**still(env), **bad})
     assert env.simulator.state() == before
     env.step(still(env))
 
 
-def test_missing_and_gone_robots_are_named() -> None:
+def test_missing_and_arrived_robots_are_named() -> None:
     env = one_is_near()
     with pytest.raises(ValueError, match="got none for 'robot 4'"):
         env.step({name: np.zeros(2) for name in env.agents[:-1]})
@@ -199,7 +199,7 @@ def test_missing_and_gone_robots_are_named() -> None:
         env.step(every)
 
 
-def test_in_turns_a_bad_action_is_told_at_its_turn() -> None:
+def test_invalid_aec_actions_raise_at_their_turn() -> None:
     env = turns()
     env.reset(seed=0)
     for bad in (np.full(2, np.nan), np.zeros(3), None):
@@ -209,7 +209,7 @@ def test_in_turns_a_bad_action_is_told_at_its_turn() -> None:
     assert env.agent_selection == "robot 2"
 
 
-def test_turns_are_copied_in_mid_cycle() -> None:
+def test_aec_copies_in_mid_cycle() -> None:
     env = turns()
     env.reset(seed=0)
     env.step(np.ones(2))
@@ -234,7 +234,7 @@ def test_before_and_after() -> None:
         env.step({})
 
 
-def test_what_is_unknown_is_named() -> None:
+def test_unknown_names_raise() -> None:
     with pytest.raises(ScenarioError, match=r"swop.*swap"):
         fgenv.parallel_env("swop")
     with pytest.raises(ScenarioError, match=r"jiter.*jitter"):

@@ -1,4 +1,4 @@
-"""Stable-Baselines3's face: rows are worlds times robots, over the simulator's arrays."""
+"""The environment of Stable-Baselines3, with a row per world and robot."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def test_official() -> None:
         check_env(FleetEnv("swap", n=3, threads=1))
 
 
-def test_rows_are_those_of_the_simulator() -> None:
-    """Also where worlds end, and what is told of the end."""
+def test_rows_equal_the_simulator() -> None:
+    """Includes ends of episodes and their infos."""
     envs = fleet(4, max_steps=6)
     simulator = Simulator("swap", 4, n=3, starts="random", threads=1, max_steps=6)
     envs.seed(9)
@@ -56,7 +56,7 @@ def test_rows_are_those_of_the_simulator() -> None:
             assert infos == [{"TimeLimit.truncated": False}] * 12
 
 
-def test_who_arrives_is_told_at_the_end() -> None:
+def test_final_infos_have_success() -> None:
     envs = fleet(2)
     envs.reset()
     for i, goal in enumerate(envs.simulator.goals[1]):
@@ -97,7 +97,7 @@ def test_attributes() -> None:
     assert envs.env_is_wrapped(VecMonitor) == [False] * 6
 
 
-def test_pictures_are_of_worlds() -> None:
+def test_frames_per_world() -> None:
     envs = fleet(2, render_mode="rgb_array")
     envs.reset()
     assert [np.shape(image) for image in envs.get_images()] == [(360, 480, 3)] * 2
@@ -107,7 +107,7 @@ def test_pictures_are_of_worlds() -> None:
     assert tiled.ndim == 3
 
 
-def test_copies_go_on_identically() -> None:
+def test_copies_continue_identically() -> None:
     envs = fleet(2, max_steps=4)
     envs.reset()
     envs.step(np.ones((6, 2)))
@@ -119,7 +119,7 @@ def test_copies_go_on_identically() -> None:
                 assert np.array_equal(a, b)
 
 
-def test_what_does_not_fit_is_named() -> None:
+def test_invalid_arguments_raise() -> None:
     envs = fleet(2)
     envs.reset()
     before = envs.simulator.state()
@@ -139,7 +139,7 @@ def test_what_does_not_fit_is_named() -> None:
 
 
 def test_a_policy_learns_on_it() -> None:
-    """Two runs of one seed end with the same weights; wrappers find what they look for."""
+    """Two runs of one seed end with equal weights; wrappers work."""
 
     def weights() -> list[np.ndarray]:
         torch.set_num_threads(1)

@@ -1,4 +1,4 @@
-"""Results of episodes, against what is known of simple ones, and of records against simulators."""
+"""Results of simple episodes against known values, and of records against simulators."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fgenv.scenarios import Scenario
 
 
 def lane(*goals: float, wall: float | None = None, **fields: Any) -> Scenario:
-    """Cubes of 0.4 m in lanes 1 m apart that go 1 m/s along x from 0 to their goals."""
+    """Cubes of 0.4 m in lanes 1 m apart drive at 1 m/s along x from 0 to their goals."""
     cube = {"kind": "box", "size": (0.4, 0.4, 0.4)}
     drive = {"kind": "holonomic", "speed": 1.0, "turn_rate": 1.0}
     robots = [
@@ -46,7 +46,7 @@ def lane(*goals: float, wall: float | None = None, **fields: Any) -> Scenario:
 
 
 def driven(scenario: Scenario | str, policy: str = "goto", **options: Any) -> Results:
-    """Results of a simulator; those of its record are the same."""
+    """Return the results of a simulator, equal to those of its record."""
     simulator = Simulator(scenario, autoreset=False, clearance=True, **options)
     record = run_episode(simulator, policy_of(policy), steps=60)
     results = Results.of(simulator)
@@ -54,7 +54,7 @@ def driven(scenario: Scenario | str, policy: str = "goto", **options: Any) -> Re
     return results
 
 
-def test_who_arrives_has_gone_the_way() -> None:
+def test_robots_that_arrive() -> None:
     results = driven(lane(2.0, 1.0))
     one, two = results.robots
     assert (one.arrival, two.arrival) == (pytest.approx(2.0), pytest.approx(1.0))
@@ -67,11 +67,11 @@ def test_who_arrives_has_gone_the_way() -> None:
     assert (results.success_rate, results.arrived, results.collisions) == (1.0, 2, 0)
 
 
-def test_who_meets_a_wall_neither_arrives_nor_succeeds() -> None:
+def test_robots_stopped_at_a_wall_do_not_arrive() -> None:
     results = driven(lane(3.0, 1.0, wall=1.85))
     one, two = results.robots
     assert (one.arrival, one.success, two.success) == (None, False, True)
-    assert one.collisions == 50 - 14  # the wall is met 1.45 m from the start
+    assert one.collisions == 50 - 14  # first contact 1.45 m from the start
     assert one.path_length == pytest.approx(1.45, abs=1e-4)
     assert one.least_clearance == pytest.approx(0.0, abs=1e-4)
     assert (results.makespan, results.sum_of_costs) == (None, None)
@@ -79,7 +79,7 @@ def test_who_meets_a_wall_neither_arrives_nor_succeeds() -> None:
     assert results.steps == 50
 
 
-def test_who_passes_through_a_wall_arrives_and_does_not_succeed() -> None:
+def test_robots_that_pass_through_a_wall_arrive_without_success() -> None:
     results = driven(lane(3.0, wall=1.85, on_collision="pass"))
     (robot,) = results.robots
     assert robot.arrival == pytest.approx(3.0)
@@ -88,7 +88,7 @@ def test_who_passes_through_a_wall_arrives_and_does_not_succeed() -> None:
     assert results.least_clearance == 0.0
 
 
-def test_alone_no_clearance_is_known() -> None:
+def test_clearance_without_bodies_is_infinite() -> None:
     results = driven(lane(1.0))
     assert math.isinf(results.least_clearance)
     assert results.facts["least_clearance"] is None
@@ -106,36 +106,36 @@ def test_alone_no_clearance_is_known() -> None:
         ("warehouse", {"n": 4, "actions": "way_points"}),
     ],
 )
-def test_of_a_record_they_are_those_of_the_simulator(
+def test_results_of_a_record_equal_those_of_the_simulator(
     name: str, options: dict[str, Any], policy: str
 ) -> None:
     facts = driven(name, policy, **options).facts
     assert json.loads(json.dumps(facts, allow_nan=False)) == facts
 
 
-def test_of_an_arm_the_way_is_in_radians() -> None:
+def test_path_length_of_an_arm_is_in_radians() -> None:
     scenario = alone("joint_velocity", 3)
     (robot,) = driven(scenario).robots
     direct = np.subtract(scenario.robots[0].goal, scenario.robots[0].start)
     assert robot.unit == "rad"
-    # Joints arrive one by one, each within the tolerance: about straight, and not much longer.
+    # Joints arrive one by one within the tolerance: the path is hardly longer than straight.
     assert np.linalg.norm(direct) - 0.5 < robot.path_length <= np.abs(direct).sum()
 
 
-def test_joints_without_end_go_the_shorter_way() -> None:
+def test_continuous_joints_turn_the_shorter_way() -> None:
     joint = Joint("j", "continuous", "a", "b", velocity=1.0)
     robot = Robot("r", (Link("a"), Link("b")), (joint,))
     assert path_length(robot, np.array([[3.0], [-3.0]])) == pytest.approx(2 * math.pi - 6.0)
     assert path_length(robot, np.array([[3.0]])) == 0.0
 
 
-def test_before_any_step_nothing_has_happened() -> None:
+def test_results_before_the_first_step() -> None:
     simulator = Simulator("cell", autoreset=False)
     results = Results.of(run_episode(simulator, GoToPolicy(), steps=0))
     assert (results.steps, results.collisions, results.arrived) == (0, 0, 0)
 
 
-def test_each_world_has_its_own() -> None:
+def test_results_per_world() -> None:
     simulator = Simulator("swap", 2, n=2, jitter=0.3, autoreset=False)
     simulator.reset(seed=0)
     actions = np.zeros((2, 2, 2))

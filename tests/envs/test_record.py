@@ -1,4 +1,4 @@
-"""Records: what is written is what is read, and run again it comes out the same, bit for bit."""
+"""Records: round trip and replay, bit for bit."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_round_trip_and_replay_are_equal_bit_for_bit(
     assert end.steps[0] == len(record)
 
 
-def test_it_tells_what_happened(record: Record) -> None:
+def test_contents_of_a_record(record: Record) -> None:
     simulator = Simulator("swap", n=3, autoreset=False, clearance=True)
     simulator.reset(seed=5)
     assert (record.n_robots, record.names, record.dt) == (3, simulator.names, simulator.dt)
@@ -75,7 +75,7 @@ def test_it_tells_what_happened(record: Record) -> None:
         assert record["clearances"][k].tobytes() == simulator.clearances[0].tobytes()
 
 
-def test_collisions_are_in_it_by_name() -> None:
+def test_collisions_have_names() -> None:
     record = recorded("doorway", n=2, steps=60)
     step, robot = np.argwhere(record["hits"] >= 0)[0]
     name = record.about["names"][str(record["hits"][step, robot])]
@@ -93,13 +93,13 @@ def test_collisions_are_in_it_by_name() -> None:
         ({"horizon": 2.0}, "truncated"),
     ],
 )
-def test_it_tells_how_it_ended(options: dict[str, Any], ended: str) -> None:
+def test_end_of_the_episode(options: dict[str, Any], ended: str) -> None:
     record = recorded("swap", n=2, steps=600, **options)
     assert record.about["ended"] == ended
     replay(record)
 
 
-def test_a_case_of_a_frozen_set_is_a_scenario_of_its_own() -> None:
+def test_a_case_of_a_frozen_set_is_a_scenario() -> None:
     several = frozen("random", n=3, cases=6)
     for seed in range(4):
         simulator = Simulator(several, autoreset=False)
@@ -109,7 +109,7 @@ def test_a_case_of_a_frozen_set_is_a_scenario_of_its_own() -> None:
         replay(record)
 
 
-def test_of_several_worlds_one_is_recorded() -> None:
+def test_recording_one_of_several_worlds() -> None:
     simulator = Simulator("swap", 3, n=2, jitter=0.3, autoreset=False, starts="random")
     recorder, policy = Recorder("goto"), GoToPolicy()
     observations = simulator.reset(seed=7)
@@ -126,12 +126,12 @@ def test_of_several_worlds_one_is_recorded() -> None:
     replay(record)
 
 
-def test_arrays_cannot_be_written(record: Record) -> None:
+def test_arrays_are_read_only(record: Record) -> None:
     with pytest.raises(ValueError, match="read-only"):
         record["actions"][:] = 0
 
 
-def test_what_was_recorded_outlives_an_interruption(tmp_path: Path) -> None:
+def test_a_record_of_an_interrupted_episode(tmp_path: Path) -> None:
     class Tired(GoToPolicy):
         left = 6
 
@@ -150,7 +150,7 @@ def test_what_was_recorded_outlives_an_interruption(tmp_path: Path) -> None:
     replay(record)
 
 
-def test_no_step_is_a_record_too(tmp_path: Path) -> None:
+def test_a_record_without_steps(tmp_path: Path) -> None:
     record = recorded("cell", steps=0)
     record.save(tmp_path / "run.npz")
     again = Record.load(tmp_path / "run.npz")
@@ -160,18 +160,18 @@ def test_no_step_is_a_record_too(tmp_path: Path) -> None:
     replay(again)
 
 
-def test_it_is_compact(tmp_path: Path) -> None:
+def test_files_are_compact(tmp_path: Path) -> None:
     record = recorded("warehouse", "goto", steps=300)
     record.save(tmp_path / "run.npz")
     assert (tmp_path / "run.npz").stat().st_size < 0.1 * sum(record[k].nbytes for k in ARRAYS)
 
 
-# Files beside it
+# Files of the scenario
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A scenario file with a mesh and a URDF beside it."""
+    """Folder with a scenario file, a mesh and a URDF."""
     trimesh.creation.box((0.5, 0.4, 0.3)).export(tmp_path / "cart.stl")
     library = Path(str(__import__("fgenv").__file__)).parent / "scenarios" / "library"
     shutil.copy(library / "arm.urdf", tmp_path / "arm.urdf")
@@ -194,7 +194,7 @@ robots:
     return tmp_path
 
 
-def test_meshes_are_found_from_where_the_record_is(
+def test_mesh_paths_are_relative_to_the_record(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     record = recorded(Scenario.load(folder / "own.yaml"))
@@ -209,7 +209,7 @@ def test_meshes_are_found_from_where_the_record_is(
 
 
 @pytest.mark.parametrize("name", ["cart.stl", "arm.urdf"])
-def test_another_file_is_told(folder: Path, name: str) -> None:
+def test_a_changed_file_raises(folder: Path, name: str) -> None:
     record = recorded(Scenario.load(folder / "own.yaml"))
     record.save(folder / "run.npz")
     (folder / name).write_bytes((folder / name).read_bytes() + b"\n")
@@ -232,31 +232,31 @@ def saved(record: Record, tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 @settings(max_examples=150)
 @given(st.data())
-def test_a_damaged_file_is_told_or_harmless(saved: bytes, record: Record, data: Any) -> None:
+def test_a_damaged_file_raises_or_is_equal(saved: bytes, record: Record, data: Any) -> None:
     path = Path(tempfile.gettempdir()) / f"damaged-{os.getpid()}.npz"
     at = data.draw(st.integers(0, len(saved) - 1))
     cut = data.draw(st.booleans())
     bad = saved[:at] if cut else saved[:at] + bytes([saved[at] ^ 0xFF]) + saved[at + 1 :]
     path.write_bytes(bad)
-    told = ""
+    message = ""
     try:
         assert same(Record.load(path), record)
     except RecordError as error:
-        told = str(error)
+        message = str(error)
     finally:
         path.unlink()
-    assert told in ("", f"{path}: is damaged, or no record; record the run again")
+    assert message in ("", f"{path}: is damaged, or no record; record the run again")
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x03\x04", b"\x93NUMPY"])
-def test_what_is_no_record_is_told(content: bytes, tmp_path: Path) -> None:
+def test_other_contents_raise(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     path.write_bytes(content)
     with pytest.raises(RecordError, match="is damaged, or no record"):
         Record.load(path)
 
 
-def test_other_files_are_told(tmp_path: Path, saved: bytes) -> None:
+def test_other_kinds_of_files_raise(tmp_path: Path, saved: bytes) -> None:
     with pytest.raises(FileNotFoundError):
         Record.load(tmp_path / "none.npz")
     frozen("swap", n=2, cases=2).save(tmp_path / "set.npz")
@@ -268,60 +268,60 @@ def test_other_files_are_told(tmp_path: Path, saved: bytes) -> None:
     (tmp_path / "run.npz").write_bytes(saved)
     with np.load(tmp_path / "run.npz") as file:
         parts = {name: file[name] for name in file.files}
-    for change, told in (
+    for change, message in (
         ({"format": "fgenv record 2"}, "is 'fgenv record 2', expected 'fgenv record 1'; use the"),
         ({"actions": parts["actions"] * 0.5}, "is damaged"),
         ({"scenario": str(parts["scenario"]).replace("swap", "swop")}, "is damaged"),
         ({"rewards": np.array(["x"])}, "is damaged"),
     ):
         np.savez_compressed(tmp_path / "other.npz", **{**parts, **change})
-        with pytest.raises(RecordError, match=told):
+        with pytest.raises(RecordError, match=message):
             Record.load(tmp_path / "other.npz")
 
 
-def test_names_that_are_no_npz_are_told(record: Record, tmp_path: Path) -> None:
+def test_names_without_npz_raise(record: Record, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"expected a name that ends in \.npz"):
         record.save(tmp_path / "run.json")
     with pytest.raises(FileNotFoundError):
         record.save(tmp_path / "none" / "run.npz")
 
 
-def test_saving_replaces_in_one_go(record: Record, tmp_path: Path) -> None:
+def test_saving_is_atomic(record: Record, tmp_path: Path) -> None:
     for _ in range(2):
         record.save(tmp_path / "run.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["run.npz"]
 
 
-# Replay tells what differs
+# Replay
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "message"),
     [
         ("actions", "step 8: configurations of 'robot 2'"),
         ("configurations", "step 7: configurations of 'robot 2'"),
         ("hit_times", "step 8: hit_times of 'robot 2'"),
     ],
 )
-def test_replay_tells_the_first_step_that_differs(record: Record, name: str, told: str) -> None:
+def test_replay_names_the_first_step_that_differs(record: Record, name: str, message: str) -> None:
     arrays = {key: np.array(record[key]) for key in ARRAYS}
     arrays[name][7, 1] = np.nextafter(arrays[name][7, 1], 2.0) if name != "actions" else 0.1
     other = Record(record.scenario, record.about, arrays)
-    with pytest.raises(RecordError, match=told):
+    with pytest.raises(RecordError, match=message):
         replay(other)
 
 
-def test_arrays_that_do_not_fit_are_told(record: Record) -> None:
+def test_inconsistent_arrays_raise(record: Record) -> None:
     arrays = {key: np.array(record[key]) for key in ARRAYS}
     arrays["hits"] = arrays["hits"][:-1]
     with pytest.raises(RecordError, match=r"hits: got shape \(39, 3\), expected \(40, 3\)"):
         Record(record.scenario, record.about, arrays)
 
 
-# Wrong use of the recorder
+# Errors of the recorder
 
 
-def test_wrong_use_is_told() -> None:
+def test_wrong_use_raises() -> None:
     recorder = Recorder()
     with pytest.raises(RuntimeError, match="nothing is recorded"):
         recorder.record()

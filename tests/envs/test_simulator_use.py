@@ -1,4 +1,4 @@
-"""Wrong use of the simulator is told, and harms nothing."""
+"""Wrong use of the simulator raises an error and changes nothing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Q, TWO = [0.0, 0.0, 0.0], np.zeros((1, 2, 3))
         ("state", lambda s: s.state()),
     ],
 )
-def test_before_the_first_reset_is_told(what: str, use: Callable[[Simulator], Any]) -> None:
+def test_use_before_the_first_reset_raises(what: str, use: Callable[[Simulator], Any]) -> None:
     with pytest.raises(RuntimeError, match=f"{what}: before the first reset, call reset"):
         use(Simulator("swap", n=2))
 
@@ -46,7 +46,7 @@ def test_before_the_first_reset_is_told(what: str, use: Callable[[Simulator], An
         lambda s: s.collisions(-1),
     ],
 )
-def test_bad_input_is_told_and_nothing_has_changed(use: Callable[[Simulator], Any]) -> None:
+def test_invalid_input_raises_and_changes_nothing(use: Callable[[Simulator], Any]) -> None:
     simulator = Simulator("swap", n=2, autoreset=False)
     simulator.reset(seed=0)
     simulator.step(np.ones((1, 2, 2)))
@@ -60,7 +60,7 @@ def test_bad_input_is_told_and_nothing_has_changed(use: Callable[[Simulator], An
 @pytest.mark.parametrize(
     "options", [{"on_collision": "pass"}, {"on_collision": "terminate"}, {"horizon": 0.5}]
 )
-def test_after_the_end_is_told_of_a_state_as_well(options: dict[str, Any]) -> None:
+def test_steps_after_the_end_raise_for_a_restored_state(options: dict[str, Any]) -> None:
     simulator = Simulator("swap", n=2, autoreset=False, **options)
     run_episode(simulator, GoToPolicy())
     other = Simulator("swap", n=2, autoreset=False, **options)
@@ -74,13 +74,13 @@ def test_after_the_end_is_told_of_a_state_as_well(options: dict[str, Any]) -> No
         ended.step(np.zeros((1, 2, 2)))
 
 
-def test_resetting_no_world_is_nothing() -> None:
+def test_resetting_no_world_changes_nothing() -> None:
     simulator = Simulator("swap", 3, n=2)
     assert simulator.reset(worlds=[], seed=4).shape == (0, 2, simulator.observation_size)
     assert simulator.seeds.tolist() == [0, 1, 2]
 
 
-def test_a_robot_that_would_observe_nothing_is_refused() -> None:
+def test_an_empty_observation_raises() -> None:
     blind = Observation(goal=False, velocity=False, lidar=False)
     with pytest.raises(ValueError, match="observation: 'robot 1' observes nothing"):
         Simulator("swap", n=1, observation=blind)
@@ -88,7 +88,7 @@ def test_a_robot_that_would_observe_nothing_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["observation", "reward"])
-def test_settings_of_a_wrong_kind_are_told(name: str) -> None:
+def test_settings_of_a_wrong_type_raise(name: str) -> None:
     with pytest.raises(TypeError, match=rf"{name}: got 3, expected fgenv\.envs\.{name.title()}"):
         Simulator("swap", **{name: 3})  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="way_point_seconds: 'a'"):
