@@ -80,7 +80,7 @@ def unit(rng: np.random.Generator) -> np.ndarray:
 
 
 def half_planes(discs: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the half-planes of the first disc with each other, from its answer to a far velocity."""
+    """Return the half-planes of the first disc with each other, from its answer to a far one."""
     found = []
     for other in discs[1:]:
         ends = []

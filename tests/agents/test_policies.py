@@ -50,9 +50,7 @@ def test_actions_have_the_expected_shape_and_range(name: str, policy: str, mode:
         with pytest.raises(ValueError, match="expected discs on a plane"):
             begun(policy, simulator)
         return
-    method = (
-        ":composite" if policy in ("plan", "replan") else ""
-    )  # the fastest method for two robots
+    method = ":composite" if policy in ("plan", "replan") else ""  # the fastest
     actions = begun(policy + method, simulator)
     assert actions.shape == (3, 2, simulator.action_size)
     assert actions.dtype == np.float64

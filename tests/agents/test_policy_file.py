@@ -20,7 +20,7 @@ def made(near: float = 0.0, **about: Any) -> PolicyFile:
     """Return a small policy for `swap` of discs."""
     rng, sizes = np.random.default_rng(0), (20, 5, 2)
     layers = tuple((rng.normal(size=s), rng.normal(size=s[1])) for s in zip(sizes, sizes[1:]))  # noqa: B905, RUF007
-    message = {
+    about = {
         "observation": asdict(SEEN),
         "parts": [["goal", 4], ["velocity", 2], ["neighbors", 14]],
         "actions": "drive",
@@ -30,7 +30,7 @@ def made(near: float = 0.0, **about: Any) -> PolicyFile:
         "clip": 10.0,
         **about,
     }
-    return PolicyFile(message, rng.normal(size=20), rng.uniform(0.5, 2.0, 20), layers)
+    return PolicyFile(about, rng.normal(size=20), rng.uniform(0.5, 2.0, 20), layers)
 
 
 def test_save_and_load(tmp_path: Path) -> None:

@@ -210,10 +210,10 @@ def test_an_older_policy_in_the_folder_is_not_reported(
         with pytest.raises(SystemExit) as stopped:
             cli.main()
         assert stopped.value.code == 130
-        message = capsys.readouterr()
-        assert "written" not in message.out
-        assert "before the first evaluation" in message.out + message.err
-    assert json.loads(message.out)["policy"] is None
+        output = capsys.readouterr()
+        assert "written" not in output.out
+        assert "before the first evaluation" in output.out + output.err
+    assert json.loads(output.out)["policy"] is None
 
 
 def test_a_new_training_removes_the_older_one(folder: Path, tmp_path: Path) -> None:

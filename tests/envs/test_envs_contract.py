@@ -69,8 +69,8 @@ def digest(threads: int) -> str:
         simulator = Simulator(name, worlds, threads=threads, max_steps=30, **ways)
         found.update(simulator.reset(seed=1).tobytes())
         for _ in range(45):
-            message = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
-            for array in [*message, simulator.clearances, simulator.configurations]:
+            arrays = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
+            for array in [*arrays, simulator.clearances, simulator.configurations]:
                 found.update(array.tobytes())
     env = fgenv.parallel_env("swap", n=4, jitter=0.5, max_cycles=30, threads=threads)
     env.reset(seed=2)
@@ -97,7 +97,7 @@ def test_any_order_of_calls_is_repeatable(calls: list[tuple[str, int]]) -> None:
     def play(through_copies: bool) -> list[bytes]:
         simulator = Simulator("swap", 3, n=3, starts="random", threads=1, max_steps=4)
         simulator.reset(seed=0)
-        message = []
+        states = []
         for what, k in calls:
             if what == "r":
                 simulator.reset(seed=k)
@@ -109,8 +109,8 @@ def test_any_order_of_calls_is_repeatable(calls: list[tuple[str, int]]) -> None:
                 simulator = copy.deepcopy(simulator)
             elif what == "s":
                 simulator.step(np.full((3, 3, 2), k / 5))
-            message.append(simulator.observe().tobytes() + simulator.state())
-        return message
+            states.append(simulator.observe().tobytes() + simulator.state())
+        return states
 
     assert play(False) == play(True)
 

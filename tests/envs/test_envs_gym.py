@@ -134,8 +134,8 @@ def test_worlds_equal_single_environments() -> None:
             for a, b in zip(infos["final_obs"][mask], expected["final_obs"][mask], strict=True):
                 assert np.array_equal(a, b)
             for name in ("masked", "checks", "success", "clearance"):
-                message = infos["final_info"][name], expected["final_info"][name]
-                assert np.array_equal(message[0][mask], message[1][mask])
+                pair = infos["final_info"][name], expected["final_info"][name]
+                assert np.array_equal(pair[0][mask], pair[1][mask])
     assert ends >= 3
 
 
