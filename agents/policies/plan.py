@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from fgenv.agents.policies.base import BasePolicy
+from fgenv.agents.policies.plan_arguments import check_plan, method_and_planner
 from fgenv.agents.tracking.executable_plan import Course, find
 from fgenv.agents.tracking.lookahead import free_steps
 from fgenv.agents.tracking.plan_clock import Run, rates
 from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
-from fgenv.planners import METHODS, PLANNERS, Plan, PlanningError
+from fgenv.planners import Plan, PlanningError
 from fgenv.scenarios import Scenario
-from fgenv.scenarios.errors import near
 
 WAY_POINT_TOLERANCE = 0.05  # m; robots do not approach way points closer than 2 cm
 
@@ -246,46 +246,8 @@ class PlanPolicy(BasePolicy):
         return asked
 
 
-def check_plan(course: Course, view: View, world: int) -> None:
-    """Raise PlanningError if a plan is not for a world's episode."""
-    names = tuple(robot.name for robot in course.plan.scenario.robots)
-    if names != view.names:
-        raise PlanningError(
-            f"plan: got robots {', '.join(names)}, expected {', '.join(view.names)}"
-        )
-    if course.plan.dt != view.dt:
-        raise PlanningError(f"plan: got steps of {course.plan.dt} s, expected {view.dt} s")
-    for i, (name, model) in enumerate(zip(names, course.models, strict=True)):
-        for end, row, q in (
-            ("start", course.plan.configurations[i][0], view.configurations),
-            ("goal", course.plan.configurations[i][-1], view.goals),
-        ):
-            if (
-                model.nq != view.robots[i].nq
-                or model.displacement_bound(row, q[world, i, : model.nq])
-                > model.required_drive.base_drive.tracking_error
-            ):
-                raise PlanningError(
-                    f"plan: the {end} of {name!r} differs from this episode;"
-                    " run the scenario with the options of the plan"
-                )
-
-
 def plan(argument: str, seed: int) -> PlanPolicy:
     """Make the policy named `plan[:METHOD[:PLANNER]]` or `plan:FILE.npz`."""
     if argument.endswith(".npz"):
         return PlanPolicy(plan=argument)
     return PlanPolicy(*method_and_planner(argument), seed=seed)
-
-
-def method_and_planner(argument: str) -> tuple[str | None, str]:
-    """Return method and planner of METHOD[:PLANNER]; each may be empty.
-
-    Raises:
-        ValueError: unknown method or planner.
-    """
-    method, _, planner = argument.partition(":")
-    for kind, name, known in (("method", method, METHODS), ("planner", planner, PLANNERS)):
-        if name and name not in known:
-            raise ValueError(f"{kind}: got {name!r}, which is unknown; {near(name, known)}")
-    return method or None, planner or "RRTConnect"

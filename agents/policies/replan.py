@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fgenv.agents.policies.plan import PlanPolicy, method_and_planner
+from fgenv.agents.policies.plan import PlanPolicy
+from fgenv.agents.policies.plan_arguments import method_and_planner
 from fgenv.agents.tracking.executable_plan import Course
 from fgenv.agents.tracking.plan_clock import Run
 from fgenv.agents.tracking.replan_problem import from_here, onward
