@@ -105,12 +105,12 @@ class OrcaPolicy(BasePolicy):
             self._discs(q),
             preferred,
             np.broadcast_to(self._speeds, preferred.shape[:2]),
-            self._points(q, observations),
-            self.horizon,
-            self.wall_horizon,
-            view.dt,
-            self.range,
-            None,
+            points=self._points(q, observations),
+            horizon=self.horizon,
+            point_horizon=self.wall_horizon,
+            dt=view.dt,
+            range=self.range,
+            threads=None,
         )
         if view.actions == "way_points":
             return view.toward(self._way_points(q, velocities))

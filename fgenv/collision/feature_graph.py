@@ -109,7 +109,7 @@ class FeatureGraph:
         angle: float | tuple[float, float] | None = None,
     ) -> None:
         chosen = settings(method, tolerance=tolerance, angle=angle)
-        self._fill(_core.FeatureGraph(vertices, faces, *chosen), chosen.method)
+        self._fill(_core.FeatureGraph(vertices, faces, **chosen._asdict()), chosen.method)
 
     @classmethod
     def _of(cls, native: _core.FeatureGraph, method: str) -> FeatureGraph:

@@ -54,7 +54,7 @@ class Shape(_core.Shape):
     ) -> None:
         self.settings = settings(method, tolerance=tolerance, angle=angle)
         self.name = name
-        super().__init__(vertices, faces, *self.settings)
+        super().__init__(vertices, faces, **self.settings._asdict())
         self._report()
 
     @classmethod

@@ -140,12 +140,14 @@ class Simulator(Readings):
     def _begin(self) -> None:
         """The native simulator, not yet reset."""
         self._like = self.built.world()
+        bodies, poses = native_config.standing(self._like, self.built, self.cases)
         self._core = _core.Simulator(
             self._like._core,
             native_config.agents(self._like, self.built, self.cases, self.observation),
             self._settings,
-            self.n_worlds,
-            *native_config.standing(self._like, self.built, self.cases),
+            worlds=self.n_worlds,
+            bodies=bodies,
+            poses=poses,
         )
         guided = self.observation.path_hint and self.observation.path == "shortest"
         self._guide = Guide(self) if guided else None
@@ -236,7 +238,7 @@ class Simulator(Readings):
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
         """Begin a robot's episode anew, from a start to a goal, (nq,); nobody asks who is there."""
         self._ready("place")
-        self._core.place(world, robot, start, goal)
+        self._core.place(world, robot, start=start, goal=goal)
         self._guided([world])
 
     def _guided(self, worlds: Iterable[int]) -> None:

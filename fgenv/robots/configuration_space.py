@@ -132,7 +132,7 @@ class ConfigurationSpace(KinematicTree):
                     "q: got a quaternion of length 0 or infinite, expected an orientation"
                 )
             clipped[..., 3:7] = x[..., 3:7] / length[..., None]
-        return self._core.interpolate(clipped, clipped, 0.0, None)
+        return self._core.interpolate(clipped, clipped, 0.0, threads=None)
 
     def interpolate(
         self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike, *, threads: int | None = None
@@ -143,7 +143,7 @@ class ConfigurationSpace(KinematicTree):
         continuous joints the shorter way around, orientations along the shortest arc. q0 and q1
         (..., nq) and t (...) broadcast.
         """
-        return self._core.interpolate(q0, q1, t, threads)
+        return self._core.interpolate(q0, q1, t, threads=threads)
 
     def displacement_bound(self, q0: ArrayLike, q1: ArrayLike) -> Any:
         """Upper bound of the path length of any point on the motion from q0 to q1, meters, (...).

@@ -181,7 +181,10 @@ class KinematicTree:
             offset: (4, 4), of a body on the link: the result then describes the body.
         """
         i = self.link_index(link)
-        return LinkMotion(*self._core.link_motion(i, q0, q1, t, offset, 0.0, 1.0, threads))
+        found = self._core.link_motion(
+            i, q0, q1, t=t, offset=offset, begin=0.0, rate=1.0, threads=threads
+        )
+        return LinkMotion(*found)
 
     @cached_property
     def _index(self) -> dict[str, int]:
@@ -211,7 +214,14 @@ class KinematicTree:
             list, zip(*rows, strict=True)
         )
         return _core.Robot(
-            kinds, parents, origins, axes, firsts, multipliers, offsets, list(self.coordinates)
+            kinds,
+            parents,
+            origins,
+            axes=axes,
+            firsts=firsts,
+            multipliers=multipliers,
+            offsets=offsets,
+            names=list(self.coordinates),
         )
 
 

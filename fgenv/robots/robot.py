@@ -182,7 +182,7 @@ class Robot(ConfigurationSpace):
         Legs are chords of a car's arcs, each of at most a tenth of a radian.
         """
         s = self.steering(method)
-        return _core.legs(self._core, s.code, s.radius, s.reverse, q0, q1)
+        return _core.legs(self._core, q0, q1, way=s.code, radius=s.radius, reverse=s.reverse)
 
     @cached_property
     def allowed_parts(self) -> tuple[tuple[int, int], ...]:

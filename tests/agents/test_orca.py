@@ -17,6 +17,13 @@ from fgenv.robots.footprint import enclosing_radius
 from fgenv.scenarios import Scenario, frozen
 
 HORIZON, DT = 2.0, 0.1
+SETTINGS: dict[str, Any] = {
+    "horizon": HORIZON,
+    "point_horizon": HORIZON,
+    "dt": DT,
+    "range": 100.0,
+    "threads": None,
+}
 
 
 def solved(discs: Any, expected: Any, speeds: Any, points: Any = None) -> Any:
@@ -25,7 +32,7 @@ def solved(discs: Any, expected: Any, speeds: Any, points: Any = None) -> Any:
     if points is None:
         points = np.full((1, rows.shape[1], 0, 2), np.nan)
     speeds = np.broadcast_to(speeds, rows.shape[:2])
-    return _core.orca(rows, [expected], speeds, points, HORIZON, HORIZON, DT, 100.0, None)[0]
+    return _core.orca(rows, [expected], speeds, points=points, **SETTINGS)[0]
 
 
 def inside(v: np.ndarray, p: np.ndarray, r: float) -> bool:
@@ -243,12 +250,18 @@ def test_robots_without_a_planar_base_raise() -> None:
 
 def test_invalid_arguments_raise() -> None:
     with pytest.raises(ValueError, match=r"discs: shape \(3,\), expected \(worlds, discs, 6\)"):
-        _core.orca(np.zeros(3), [], [], [], 1.0, 1.0, 0.1, 1.0, None)
+        _core.orca(np.zeros(3), [], [], points=[], **SETTINGS)
     points = np.zeros((1, 1, 0, 2))
     with pytest.raises(ValueError, match="horizon: 0"):
-        _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 1, 2)), [[1]], points, 0, 1, 0.1, 1, None)
-    with pytest.raises(ValueError, match=r"expected: shape"):
-        _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points, 1, 1, 0.1, 1, None)
+        _core.orca(
+            np.zeros((1, 1, 6)),
+            np.zeros((1, 1, 2)),
+            [[1]],
+            points=points,
+            **SETTINGS | {"horizon": 0},
+        )
+    with pytest.raises(ValueError, match="preferred: shape"):
+        _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points=points, **SETTINGS)
 
 
 def test_shortest_paths_lead_through_clutter():

@@ -93,7 +93,9 @@ def test_a_cars_path_has_the_length_of_ompls_and_reaches_the_goal(way: str) -> N
     for _ in range(300):
         q0, q1 = rng.uniform([-3, -3, -np.pi], [3, 3, np.pi], (2, 3))
         a, b = (buffer.write(si.allocState(), q) for q in (q0, q1))
-        rows = _core.legs(robot._core, 2 if way == "dubins" else 3, radius, True, q0, q1)
+        rows = _core.legs(
+            robot._core, q0, q1, way=2 if way == "dubins" else 3, radius=radius, reverse=True
+        )
         assert np.array_equal(rows[[0, -1]], [q0, q1])
         steps = np.diff(rows, axis=0)
         turns = np.abs(np.remainder(steps[:, 2] + np.pi, 2 * np.pi) - np.pi)

@@ -100,8 +100,11 @@ def test_a_part_of_a_motion_is_that_part(seed: int) -> None:
     begin = way.rng.random()
     rate = way.rng.random() * (1 - begin)
     t = np.linspace(0, 1, 5)
-    args = way.link, way.q0, way.q1, t, way.offset, begin, rate, None
-    part = LinkMotion(*way.robot._core.link_motion(*args))
+    part = LinkMotion(
+        *way.robot._core.link_motion(
+            way.link, way.q0, way.q1, t=t, offset=way.offset, begin=begin, rate=rate, threads=None
+        )
+    )
     whole = way.at(np.minimum(begin + rate * t, 1))
     np.testing.assert_array_equal(part.pose, whole.pose)
     np.testing.assert_allclose(part.velocity, rate * whole.velocity, atol=1e-12)

@@ -136,11 +136,11 @@ nb::object callable(nb::handle self, const char* name) {
 
 std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, const std::vector<int>& sizes,
                                const std::vector<int>& ways, const std::vector<double>& radii,
-                               const std::vector<bool>& reverse, const std::vector<std::vector<double>>& rooms) {
+                               const std::vector<bool>& reverse, const std::vector<std::vector<double>>& regions) {
     if (sizes.size() != all.size() || ways.size() != all.size() || radii.size() != all.size() ||
         reverse.size() != all.size())
         fail("robots: sizes, ways, radii or reverse of another length");
-    if (!rooms.empty() && rooms.size() != all.size()) fail("rooms: of another length");
+    if (!regions.empty() && regions.size() != all.size()) fail("regions: of another length");
     std::vector<Member> out;
     const auto lock = reading(w);
     for (size_t i = 0; i < all.size(); ++i) {
@@ -158,16 +158,16 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
         for (const Member& m : out)
             if (m.id == id) fail("robots: '" + w.body(id).name + "' is named twice");
         out.push_back({id, model, sizes[i], {static_cast<Way>(ways[i]), radii[i], reverse[i]}});
-        if (rooms.empty()) continue;
-        if (rooms[i].size() != 4) fail("rooms: expected least x, y, greatest x, y of each");
-        for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = rooms[i][k];
+        if (regions.empty()) continue;
+        if (regions[i].size() != 4) fail("regions: expected least x, y, greatest x, y of each");
+        for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = regions[i][k];
     }
     return out;
 }
 
 void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const std::vector<int>& sizes,
                   const std::vector<int>& ways, const std::vector<double>& radii, const std::vector<bool>& reverse,
-                  double margin, double tolerance, double resolution, const std::vector<std::vector<double>>& rooms) {
+                  double margin, double tolerance, double resolution, const std::vector<std::vector<double>>& regions) {
     const World& w = nb::cast<const World&>(world);
     MotionSettings s;
     if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", expected meters, 0 or more");
@@ -179,7 +179,7 @@ void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const
     s.certify.tolerance = tolerance;
     s.resolution = resolution;
     const AskedBodies all = asked_bodies(robots, "robots");
-    std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse, rooms);
+    std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse, regions);
     if (members.empty()) fail("robots: none, expected one at least");
     new (self) BoundChecker(std::move(world), std::move(members), s);
 }
@@ -234,7 +234,7 @@ nb::object free_all(BoundChecker& b, nb::handle q0, nb::handle q1) {
     });
 }
 
-nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb::handle q0, nb::handle q1) {
+nb::object legs_of(const Robot& robot, nb::handle q0, nb::handle q1, int way, double radius, bool reverse) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     if (!from.dims.empty() || !to.dims.empty()) fail("q0, q1: expected one configuration each");
     if (way < 0 || way > 3 || !(radius > 0)) fail("way, radius: expected 0 to 3, meters over 0");
@@ -249,8 +249,8 @@ nb::object legs_of(const Robot& robot, int way, double radius, bool reverse, nb:
 
 void bind_checker(nb::module_& m) {
     nb::class_<BoundChecker>(m, "Checker")
-        .def("__init__", &make_checker, "world"_a, "robots"_a.none(), "sizes"_a, "ways"_a, "radii"_a, "reverse"_a,
-             "margin"_a, "tolerance"_a, "resolution"_a, "rooms"_a = std::vector<std::vector<double>>{})
+        .def("__init__", &make_checker, "world"_a, "robots"_a.none(), "sizes"_a, nb::kw_only(), "ways"_a, "radii"_a,
+             "reverse"_a, "margin"_a, "tolerance"_a, "resolution"_a, "regions"_a)
         .def(
             "serve",
             [](nb::handle self, nb::object serialize) {
@@ -266,7 +266,7 @@ void bind_checker(nb::module_& m) {
         .def("error", [](const BoundChecker& b) { return b.error; })
         .def("size", [](const BoundChecker& b) { return b.checker.size(); })
         .def("counts", [](const BoundChecker& b) { return std::make_pair(b.checker.states, b.checker.motions); });
-    m.def("legs", &legs_of, "robot"_a, "way"_a, "radius"_a, "reverse"_a, "q0"_a.none(), "q1"_a.none());
+    m.def("legs", &legs_of, "robot"_a, "q0"_a.none(), "q1"_a.none(), nb::kw_only(), "way"_a, "radius"_a, "reverse"_a);
 }
 
 }  // namespace fgenv

@@ -33,14 +33,15 @@ double positive(double x, const char* name) {
 bool present(const double* row) { return row[4] >= 0; }
 Disc disc_of(const double* row) { return {row[0], row[1], row[2], row[3], row[4], row[5] != 0 ? 1.0 : 0.5}; }
 
-nb::object orca_all(nb::handle discs, nb::handle expected, nb::handle speeds, nb::handle points, double horizon,
+nb::object orca_all(nb::handle discs, nb::handle preferred, nb::handle speeds, nb::handle points, double horizon,
                     double point_horizon, double dt, double range, nb::handle threads) {
     const Array<double> d = doubles(discs, "discs");
     if (d.dims.size() != 3 || d.dims[2] != 6)
         fail("discs: shape " + to_string(d.dims) + ", expected (worlds, discs, 6)");
     const int64_t worlds = d.dims[0], n = d.dims[1];
     array_of(discs, "discs", d.dims);
-    const Array<double> w = array_of(expected, "expected", {worlds, n, 2}), s = array_of(speeds, "speeds", {worlds, n});
+    const Array<double> w = array_of(preferred, "preferred", {worlds, n, 2}),
+                        s = array_of(speeds, "speeds", {worlds, n});
     const Array<double> p = doubles(points, "points");
     if (p.dims.size() != 4 || p.dims[0] != worlds || p.dims[1] != n || p.dims[3] != 2)
         fail("points: shape " + to_string(p.dims) + ", expected (worlds, discs, points, 2), NaN where there is none");
@@ -76,8 +77,8 @@ nb::object orca_all(nb::handle discs, nb::handle expected, nb::handle speeds, nb
 }  // namespace
 
 void bind_orca(nb::module_& m) {
-    m.def("orca", &orca_all, "discs"_a.none(), "expected"_a.none(), "speeds"_a.none(), "points"_a.none(), "horizon"_a,
-          "point_horizon"_a, "dt"_a, "range"_a, "threads"_a.none(),
+    m.def("orca", &orca_all, "discs"_a.none(), "preferred"_a.none(), "speeds"_a.none(), nb::kw_only(),
+          "points"_a.none(), "horizon"_a, "point_horizon"_a, "dt"_a, "range"_a, "threads"_a.none(),
           "Velocities by optimal reciprocal collision avoidance.");
 }
 

@@ -150,8 +150,8 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "margin"_a = 0.0,
-          "threads"_a = nb::none(),
+    m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(),
+          "margin"_a = 0.0, "threads"_a = nb::none(),
           R"(Whether two posed shapes collide.
 
 Exact for shapes of method `exact`. Touching counts, and so does containment in a watertight shape.
@@ -169,7 +169,8 @@ Returns:
 
 Raises:
     TypeError, ValueError: the argument, the value received and the value expected.)");
-    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "threads"_a = nb::none(),
+    m.def("distance", &distance, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(),
+          "threads"_a = nb::none(),
           R"(Distance of two posed shapes in meters; 0 if they collide, containment included.
 
 Exact for all methods.
@@ -179,11 +180,12 @@ Args:
 
 Returns:
     float for single poses, else a float64 array of the broadcast shape.)");
-    m.def("nearest_points", &nearest_points, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(), "threads"_a = nb::none());
+    m.def("nearest_points", &nearest_points, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(),
+          "threads"_a = nb::none());
     m.def("contact_point", &contact_point, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
     m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), nb::kw_only(), "threads"_a = nb::none());
-    m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), nb::kw_only(), "max_distance"_a,
-          "threads"_a = nb::none());
+    m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), nb::kw_only(),
+          "max_distance"_a, "threads"_a = nb::none());
 }
 
 }  // namespace fgenv

@@ -196,13 +196,14 @@ nb::tuple sin_cos_all(nb::handle angles) {
 
 void bind_robot(nb::module_& m) {
     nb::class_<Robot>(m, "Robot")
-        .def("__init__", &make_robot, "kinds"_a, "parents"_a, "origins"_a, "axes"_a, "firsts"_a, "multipliers"_a,
-             "offsets"_a, "names"_a)
+        .def("__init__", &make_robot, "kinds"_a, "parents"_a, "origins"_a, nb::kw_only(), "axes"_a, "firsts"_a,
+             "multipliers"_a, "offsets"_a, "names"_a)
         .def("forward", &forward_all, "q"_a.none(), "threads"_a.none())
-        .def("interpolate", &interpolate_all, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "threads"_a.none())
+        .def("interpolate", &interpolate_all, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), nb::kw_only(),
+             "threads"_a.none())
         .def("displacement_bound", &displacement_bounds, "q0"_a.none(), "q1"_a.none(), "weights"_a)
-        .def("link_motion", &link_motion, "link"_a, "q0"_a.none(), "q1"_a.none(), "t"_a.none(), "offset"_a.none(),
-             "begin"_a, "rate"_a, "threads"_a.none());
+        .def("link_motion", &link_motion, "link"_a, "q0"_a.none(), "q1"_a.none(), nb::kw_only(), "t"_a.none(),
+             "offset"_a.none(), "begin"_a, "rate"_a, "threads"_a.none());
     m.def("sin_cos", &sin_cos_all, "angles"_a.none(), "Sine and cosine, the same bits on every machine.");
     m.def("arc_tangent", &arc_tangent, "y"_a, "x"_a, "Angle of the point (x, y), the same bits on every machine.");
 }

@@ -111,8 +111,8 @@ void bind_shape(nb::module_& m) {
                 require_faces(mesh);
                 new (self) Graph(graph_of(build_graph(mesh, settings_of(method, valley, ridge, tolerance)), mesh));
             },
-            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
-            nb::arg("tolerance"))
+            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::kw_only(), nb::arg("valley"),
+            nb::arg("ridge"), nb::arg("tolerance"))
         .def_prop_ro("points", [](const Graph& g) { return rows3(g.points); })
         .def_prop_ro("edges",
                      [](const Graph& g) {
@@ -137,8 +137,8 @@ void bind_shape(nb::module_& m) {
                 nb::gil_scoped_release released;
                 new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance)));
             },
-            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::arg("valley"), nb::arg("ridge"),
-            nb::arg("tolerance"))
+            nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::kw_only(), nb::arg("valley"),
+            nb::arg("ridge"), nb::arg("tolerance"))
         .def_prop_ro("vertices", [](const Shape& s) { return rows3(s.mesh.vertices); })
         .def_prop_ro("faces",
                      [](const Shape& s) {

@@ -301,25 +301,25 @@ void bind_simulator(nb::module_& m) {
                 new (self) Agent(make_agent(like, id, drive, wheelbase, limits, lower, upper, starts, goals, tolerance,
                                             radius, range, position, directions));
             },
-            "world"_a, "id"_a, "drive"_a, "wheelbase"_a, "limits"_a, "lower"_a, "upper"_a, "starts"_a, "goals"_a,
-            "tolerance"_a, "radius"_a, "range"_a, "position"_a, "directions"_a);
+            "world"_a, "id"_a, "drive"_a, nb::kw_only(), "wheelbase"_a, "limits"_a, "lower"_a, "upper"_a, "starts"_a,
+            "goals"_a, "tolerance"_a, "radius"_a, "range"_a, "position"_a, "directions"_a);
     nb::class_<Simulator>(m, "Simulator")
         .def(
             "__init__",
             [](Simulator* self, const World& like, const std::vector<Agent>& agents, const nb::dict& settings,
-               int32_t worlds, const std::vector<BodyId>& stands, nb::handle poses_) {
+               int32_t worlds, const std::vector<BodyId>& bodies, nb::handle poses_) {
                 std::vector<std::vector<Rigid>> cases;
-                if (!stands.empty()) {
+                if (!bodies.empty()) {
                     const Poses p = poses(poses_, "poses");
-                    for (size_t k = 0; k < p.size() / stands.size(); ++k) {
+                    for (size_t k = 0; k < p.size() / bodies.size(); ++k) {
                         cases.emplace_back();
-                        for (size_t b = 0; b < stands.size(); ++b) cases.back().push_back(p[k * stands.size() + b]);
+                        for (size_t b = 0; b < bodies.size(); ++b) cases.back().push_back(p[k * bodies.size() + b]);
                     }
                 }
                 if (agents.empty() || worlds < 1) fail("robots, worlds: expected one at least");
-                new (self) Simulator(like, agents, settings_of(settings), worlds, stands, std::move(cases));
+                new (self) Simulator(like, agents, settings_of(settings), worlds, bodies, std::move(cases));
             },
-            "world"_a, "agents"_a, "settings"_a, "worlds"_a, "stands"_a, "poses"_a.none())
+            "world"_a, "agents"_a, "settings"_a, nb::kw_only(), "worlds"_a, "bodies"_a, "poses"_a.none())
         .def("action_sizes",
              [](const Simulator& s) {
                  std::vector<int32_t> out;
@@ -339,7 +339,7 @@ void bind_simulator(nb::module_& m) {
         .def("reset", &reset, "worlds"_a.none(), "seeds"_a.none(), "threads"_a.none())
         .def("observe", &observe, "worlds"_a.none(), "threads"_a.none())
         .def("step", &step, "actions"_a.none(), "threads"_a.none())
-        .def("place", &place, "world"_a, "robot"_a, "start"_a.none(), "goal"_a.none())
+        .def("place", &place, "world"_a, "robot"_a, nb::kw_only(), "start"_a.none(), "goal"_a.none())
         .def("set_path", &set_path, "world"_a, "robot"_a, "path"_a.none())
         .def("toward", &actions_toward, "targets"_a.none())
         .def("state", &state_of)

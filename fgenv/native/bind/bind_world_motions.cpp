@@ -30,8 +30,8 @@ MotionSettings settings_of(double margin, double tolerance, double resolution, b
     s.resolution = resolution;
     s.certify.first = first;
     if (start_time.is_none() != end_time.is_none()) fail("start_time, end_time: expected both (seconds), or neither");
-    if (!start_time.is_none() && (!nb::try_cast(start_time, s.from) || !nb::try_cast(end_time, s.to) || !std::isfinite(s.from) ||
-                          !std::isfinite(s.to) || s.to < s.from))
+    if (!start_time.is_none() && (!nb::try_cast(start_time, s.from) || !nb::try_cast(end_time, s.to) ||
+                                  !std::isfinite(s.from) || !std::isfinite(s.to) || s.to < s.from))
         fail("start_time, end_time: expected finite seconds, end_time not before start_time");
     return s;
 }
@@ -62,13 +62,14 @@ struct Outcomes {
     }
 };
 
-nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::handle end, double margin, double tolerance,
-                       nb::handle mode, nb::handle resolution, bool first, nb::handle start_time, nb::handle end_time,
-                       nb::handle threads) {
+nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::handle end, double margin,
+                       double tolerance, nb::handle mode, nb::handle resolution, bool first, nb::handle start_time,
+                       nb::handle end_time, nb::handle threads) {
     const Asked a = asked(robot, "robot");
     const Model model = model_of(w, a);
     const Places from = places(model, start, "start"), to = places(model, end, "end");
-    const MotionSettings s = settings_of(margin, tolerance, resolution_of(mode, resolution), first, start_time, end_time);
+    const MotionSettings s =
+        settings_of(margin, tolerance, resolution_of(mode, resolution), first, start_time, end_time);
     const Broadcast shape = broadcast({{"start", from.dims()}, {"end", to.dims()}});
     const int n = threads_of(threads);
     const auto lock = reading(w);
@@ -86,22 +87,22 @@ nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::h
     return out.tuple();
 }
 
-nb::object motions_collide(const World& w, nb::handle a, nb::handle start_a, nb::handle end_a, nb::handle b, nb::handle start_b, nb::handle end_b,
-                double margin, double tolerance, nb::handle threads) {
+nb::object motions_collide(const World& w, nb::handle a, nb::handle start_a, nb::handle end_a, nb::handle b,
+                           nb::handle start_b, nb::handle end_b, double margin, double tolerance, nb::handle threads) {
     const Asked first = asked(a, "a"), second = asked(b, "b");
     const Model model_a = model_of(w, first, "a"), model_b = model_of(w, second, "b");
     const Places from_a = places(model_a, start_a, "start_a"), to_a = places(model_a, end_a, "end_a");
     const Places from_b = places(model_b, start_b, "start_b"), to_b = places(model_b, end_b, "end_b");
     MotionSettings s = settings_of(margin, tolerance, 0, false, nb::none(), nb::none());
-    const Broadcast shape =
-        broadcast({{"start_a", from_a.dims()}, {"end_a", to_a.dims()}, {"start_b", from_b.dims()}, {"end_b", to_b.dims()}});
+    const Broadcast shape = broadcast(
+        {{"start_a", from_a.dims()}, {"end_a", to_a.dims()}, {"start_b", from_b.dims()}, {"end_b", to_b.dims()}});
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId one = mover_of(w, first, model_a, "a"), other = mover_of(w, second, model_b, "b");
     if (one == other) fail("a, b: the same robot, expected two");
     const auto ask = [&](int64_t i) {
-        return w.motions_collide(one, from_a[shape.offset(0, i)], to_a[shape.offset(1, i)], other, from_b[shape.offset(2, i)],
-                      to_b[shape.offset(3, i)], s);
+        return w.motions_collide(one, from_a[shape.offset(0, i)], to_a[shape.offset(1, i)], other,
+                                 from_b[shape.offset(2, i)], to_b[shape.offset(3, i)], s);
     };
     if (shape.dims.empty()) return nb::cast(ask(0));
     Output<bool> out = make_output<bool>(shape.dims);
@@ -156,7 +157,8 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle start, nb:
     const Dims expected{static_cast<int64_t>(ids.size())};
     const Broadcast shape = broadcast({{"robots", expected}, {"start", from.dims()}, {"end", to.dims()}});
     if (all.one || shape.dims != expected)
-        fail(std::string("robots, start, end: expected (n,), ") + (model ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
+        fail(std::string("robots, start, end: expected (n,), ") +
+             (model ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
     refuse_twice(ids);
     std::vector<Place> starts, ends;
     for (size_t i = 0; i < ids.size(); ++i) {
