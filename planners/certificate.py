@@ -130,11 +130,11 @@ class _Phase:
         if absent:
             self.world = problem.world.copy()
         for i in absent:
-            self.world.remove(problem.robots[i])
+            self.world.remove(problem.robot_ids[i])
 
     def checker(self, margin: float) -> _core.Checker:
         """Checker for the joint configurations."""
-        ids = [self.problem.robots[i] for i in self.present]
+        ids = [self.problem.robot_ids[i] for i in self.present]
         return joint_checker(self.world, ids, [q.shape[1] for q in self.parts], margin)
 
     def free(self, margin: float) -> Flags:
@@ -187,7 +187,7 @@ class _Phase:
     def nearest_pair(self, step: int) -> tuple[str, str]:
         """Names of a robot and a body with the least distance at the beginning of a step."""
         world = self.world.copy()
-        ids = [self.problem.robots[i] for i in self.present]
+        ids = [self.problem.robot_ids[i] for i in self.present]
         for robot, q in zip(ids, self.parts, strict=True):
             world.set_configuration(robot, q[step])
         names = dict(zip(world.ids.tolist(), world.names, strict=True))

@@ -97,7 +97,7 @@ def _plan_jointly(
 ) -> list[Floats]:
     """Timed paths of a group of robots in their joint space, without the other robots."""
     robots = sorted(group)
-    world = problem.alone(*robots)
+    world = problem.world_with(*robots)
     route = plan_composite(problem, robots, time_limit=time_limit, world=world, **options)
     return steps_together([problem.models[i] for i in robots], route.paths, problem.dt)
 

@@ -57,11 +57,11 @@ def plan(
         PlanningError: no plan was found; `best` is a partial result where there is one.
         ValueError: invalid argument.
     """
-    problem = Problem.of(scenario, margin, seed, **overrides)
+    problem = Problem.from_scenario(scenario, margin, seed, **overrides)
     if method is None:
         method = "composite" if len(problem.names) == 1 else "prioritized"
     if method not in METHODS:
-        raise ValueError(f"method: {method!r} is not known; {near(method, METHODS)}")
+        raise ValueError(f"method: got {method!r}, which is unknown; {near(method, METHODS)}")
     if not 0 < time_limit < math.inf:
         raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
     problem.check()

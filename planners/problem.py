@@ -36,7 +36,7 @@ class Problem:
     seed: int = 0
 
     @classmethod
-    def of(
+    def from_scenario(
         cls,
         scenario: str | Path | Scenario | Problem,
         margin: float = 0.0,
@@ -53,7 +53,7 @@ class Problem:
         if isinstance(scenario, Problem):
             if overrides or margin not in (0.0, scenario.margin) or seed not in (0, scenario.seed):
                 raise ValueError(
-                    "margin, seed, overrides: a Problem has its own; use Problem.of(scenario, ...)"
+                    "margin, seed, overrides: a Problem has its own; expected a scenario"
                 )
             return scenario
         if not np.isfinite(margin) or margin < 0:
@@ -106,7 +106,7 @@ class Problem:
         return tuple(groups[0] for groups in self.built.groups)
 
     @cached_property
-    def robots(self) -> tuple[int, ...]:
+    def robot_ids(self) -> tuple[int, ...]:
         """Ids of the robots in `world`."""
         ids = dict(zip(self.world.names, self.world.ids.tolist(), strict=True))
         return tuple(
@@ -124,7 +124,7 @@ class Problem:
         ]
         return tuple(known.setdefault(key, len(known)) for key in keys)
 
-    def alone(self, *robots: int) -> World:
+    def world_with(self, *robots: int) -> World:
         """World with the static bodies and some of the robots, at their starts."""
         world = self.built.world(robots=False)
         for i in robots:
@@ -153,11 +153,11 @@ class Problem:
         """
         for label, ends in (("start", self.starts), ("goal", self.goals)):
             world = self.world.copy()
-            for robot, q in zip(self.robots, ends, strict=True):
+            for robot, q in zip(self.robot_ids, ends, strict=True):
                 world.set_configuration(robot, q)
             for i, name in enumerate(self.names):
                 if self.vanish and label == "goal":
-                    world = self.alone(i)
+                    world = self.world_with(i)
                     world.set_configuration(name, ends[i])
                 self.check_robot(world, i, label)
 

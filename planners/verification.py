@@ -32,7 +32,9 @@ def verify(plan: Plan | str | Path, margin: float | None = None) -> Certificate:
     changed = {m for m, h in urdf_hashes(plan.scenario).items() if h != plan.urdf.get(m)}
     if plan.urdf and changed:
         raise PlanError(f"plan: the URDF of {changed.pop()!r} has changed; plan again")
-    problem = Problem.of(plan.scenario, plan.certificate.margin if margin is None else margin)
+    problem = Problem.from_scenario(
+        plan.scenario, plan.certificate.margin if margin is None else margin
+    )
     steps = {len(q) if q.ndim else 0 for q in plan.configurations}
     if len(plan.configurations) != len(problem.models) or len(steps) != 1 or 0 in steps:
         raise PlanError("plan: expected one configuration per robot and step; plan again")

@@ -150,7 +150,7 @@ def careful(scenario: Scenario, seed: int) -> Problem:
 
     With none, where starts or goals are nearer than that to anything.
     """
-    problem = Problem.of(scenario, 0.0, seed)
+    problem = Problem.from_scenario(scenario, 0.0, seed)
     wide = replace(
         problem, margin=2 * max(r.required_drive.base_drive.tracking_error for r in problem.models)
     )

@@ -53,16 +53,16 @@ def colliding_bodies(plan: Plan, certificate: Certificate) -> str:
     from fgenv.planners import Problem
 
     step = certificate.failed_step or 0
-    problem = Problem.of(plan.scenario, certificate.margin)
+    problem = Problem.from_scenario(plan.scenario, certificate.margin)
     names, margin, last = problem.names, certificate.margin, min(step + 1, plan.steps)
     motions = [(q[step], q[last]) for q in plan.configurations]
     for i, motion in enumerate(motions):
-        alone = problem.alone(i)
+        alone = problem.world_with(i)
         result = alone.check_motion(names[i], *motion, margin=margin)
         if not result:
             bodies = dict(zip(alone.ids.tolist(), alone.names, strict=True))
             return f"{names[i]} and {bodies.get(int(result.other), 'something').split('/')[0]}"
-    robots = enumerate(zip(problem.robots, motions, strict=True))
+    robots = enumerate(zip(problem.robot_ids, motions, strict=True))
     for (i, a), (j, b) in combinations(robots, 2):
         if problem.world.motions_collide(a[0], *a[1], b[0], *b[1], margin=margin):
             return f"{names[i]} and {names[j]}"

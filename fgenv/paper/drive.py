@@ -80,7 +80,7 @@ def drive(
     the bodies that the path's masks leave. In a step that is not free the first contact is located,
     and the robot stays at the end of the step before.
     """
-    world, robot = problem.world, problem.robots[0]
+    world, robot = problem.world, problem.robot_ids[0]
     timed = TimedPath(path, speed=speed, radius=radius_of(robot_shape(problem).vertices))
     ticks = timed.ticks(step)
     q = timed.at(ticks)
@@ -114,7 +114,7 @@ def drive(
 
 def _first_contact(problem: Problem, timed: TimedPath, step: Floats, start: float) -> FirstContact:
     """The first contact in the step between two times (2,) in seconds."""
-    world, robot = problem.world, problem.robots[0]
+    world, robot = problem.world, problem.robot_ids[0]
     begin, detected = step.tolist()
     end = detected + 2 * TOLERANCE / timed.speed  # the contact can begin at the end of the step
     motion = world.check_motion(robot, *timed.at([begin, end]))

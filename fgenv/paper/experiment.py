@@ -161,7 +161,7 @@ def plan_around(
     radius = radius_of(robot_shape(problem).vertices)
     back = TimedPath(stopped.driven[::-1], speed=1.0, radius=radius)
     ticks = back.ticks(margin / 4)
-    free = ~problem.world.collides(problem.robots[0], back.at(ticks), margin=margin)
+    free = ~problem.world.collides(problem.robot_ids[0], back.at(ticks), margin=margin)
     if not free.any():
         raise PlanningError(f"no configuration on the driven path has {margin:g} m of clearance")
     retreat = back.until(ticks[free.argmax()])

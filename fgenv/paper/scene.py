@@ -44,7 +44,7 @@ def three_tanks(mesh: str | Path | None = None, *, scale: float = 1.0) -> Proble
     """
     scenario = published_scenario()
     if mesh is None:
-        return Problem.of(scenario)
+        return Problem.from_scenario(scenario)
     form = MeshFile(kind="mesh", file=str(Path(mesh).resolve()), scale=scale)
     shape = form.shape()
     sides = np.ptp(shape.vertices, axis=0)
@@ -55,7 +55,7 @@ def three_tanks(mesh: str | Path | None = None, *, scale: float = 1.0) -> Proble
     mount = Placement(position=(0.0, 0.0, -float(shape.vertices[:, 2].min())))
     spec = scenario.robots[0].model_copy(update={"mount": mount})
     shapes = {**scenario.shapes, spec.name: form}
-    problem = Problem.of(scenario.replace(shapes=shapes, robots=(spec,)))
+    problem = Problem.from_scenario(scenario.replace(shapes=shapes, robots=(spec,)))
     try:
         problem.check()
     except PlanningError as error:

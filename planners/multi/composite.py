@@ -97,40 +97,30 @@ def plan_composite(
     robots = tuple(range(len(problem.names)) if robots is None else robots)
     began = time.perf_counter()
     with _seeded(problem.seed):
-        made = setup(problem, robots, steering=steering, world=world)
+        ss = setup(problem, robots, steering=steering, world=world)
         cpu = time.process_time()
-        states = _search(made, planner, objective, time_limit, motions)
+        states = _search(ss, planner, objective, time_limit, motions)
         cpu = time.process_time() - cpu
         found_after = time.perf_counter() - began
         if states is None:
             names = ", ".join(problem.names[i] for i in robots)
             raise PlanningError(
                 f"no path for {names} within {found_after:.3g} s by {planner}"
-                f" ({made.motions.checks} motions checked): allow more time, or use another planner"
+                f" ({ss.motions.checks} motions checked): allow more time, or use another planner"
                 " or seed"
             )
-        count = len(states)
+        facts = {"planner": planner, "found_after": found_after, "search": cpu}
+        facts["way_points_found"] = len(states)
         if simplify:
-            states = simplified(made, states)
-    data = _planner_data(made, graph or planner != "BITstar")  # OMPL 2.0.1: BITstar's data leaks
-    facts = {
-        "planner": planner,
-        "seconds": time.perf_counter() - began,
-        "found_after": found_after,
-        "search": cpu,
-        "states_checked": made.validity.checks,
-        "motions_checked": made.motions.checks,
-        "pairs_checked": made.world._core.tests(),
-        "way_points_found": count,
-        "vertices": data.numVertices(),
-        "edges": data.numEdges(),
-    }
-    return JointPath(robots, steered(made, states), facts, _graph(made, data) if graph else None)
+            states = simplified(ss, states)
+    data = _planner_data(ss, graph or planner != "BITstar")  # OMPL 2.0.1: BITstar's data leaks
+    facts |= {"seconds": time.perf_counter() - began, **_counts(ss, data)}
+    return JointPath(robots, steered(ss, states), facts, _graph(ss, data) if graph else None)
 
 
 def _check_arguments(planner: str, objective: str | None, time_limit: float) -> None:
     if planner not in PLANNERS:
-        raise ValueError(f"planner: {planner!r} is not known; {near(planner, PLANNERS)}")
+        raise ValueError(f"planner: got {planner!r}, which is unknown; {near(planner, PLANNERS)}")
     if planner in ("PRM", "PRMstar") and objective in ("clearance", "time"):
         raise ValueError(
             f"objective: {objective!r} deadlocks {planner}, since its second thread"
@@ -153,46 +143,56 @@ def _seeded(seed: int) -> Iterator[None]:
 
 
 def _search(
-    made: Setup, planner: str, objective: str | None, time_limit: float, motions: int
+    ss: Setup, planner: str, objective: str | None, time_limit: float, motions: int
 ) -> Floats | None:
     """States of the solution, or None; after an interrupt, the best solution so far if any."""
     if objective is not None:
-        made.setOptimizationObjective(objective_of(objective, made))
-    space = made.getStateSpace()
+        ss.setOptimizationObjective(objective_of(objective, ss))
+    space = ss.getStateSpace()
     if "KPIECE" in planner and not space.hasDefaultProjection():  # compound spaces have none
         space.registerDefaultProjection(ob.SubspaceProjectionEvaluator(space, 0))
-    made.setPlanner(getattr(og, planner)(made.getSpaceInformation()))
+    ss.setPlanner(getattr(og, planner)(ss.getSpaceInformation()))
     try:
-        made.solve(time_limit, motions)
+        ss.solve(time_limit, motions)
     except KeyboardInterrupt:
-        if not made.haveExactSolutionPath():
+        if not ss.haveExactSolutionPath():
             raise
     except RuntimeError as error:  # some planners do not support compound spaces
         raise PlanningError(
             f"{planner} does not support this problem: {error}; use another planner"
         ) from None
-    if not made.haveExactSolutionPath():
+    if not ss.haveExactSolutionPath():
         return None
-    states = made.states_of(made.getSolutionPath())
-    ends = np.stack([made.states(made.problem.starts), made.states(made.problem.goals)])
+    states = ss.states_of(ss.getSolutionPath())
+    ends = np.stack([ss.states(ss.problem.starts), ss.states(ss.problem.goals)])
     if np.allclose(states[[0, -1]], ends, atol=1e-9):
         return states
     # AORRTC of OMPL 2.0.1 returns the goal twice where the straight motion is free.
-    return ends if made.motions._core.free(*ends) else None
+    return ends if ss.motions._core.free(*ends) else None
 
 
-def _planner_data(made: Setup, filled: bool) -> Any:
-    data = ob.PlannerData(made.getSpaceInformation())
+def _counts(ss: Setup, data: Any) -> dict[str, int]:
+    return {
+        "states_checked": ss.validity.checks,
+        "motions_checked": ss.motions.checks,
+        "pairs_checked": ss.world._core.tests(),
+        "vertices": data.numVertices(),
+        "edges": data.numEdges(),
+    }
+
+
+def _planner_data(ss: Setup, filled: bool) -> Any:
+    data = ob.PlannerData(ss.getSpaceInformation())
     if filled:
-        made.getPlannerData(data)
+        ss.getPlannerData(data)
         data.decoupleFromPlanner()  # the planner would free its states
     return data
 
 
-def _graph(made: Setup, data: Any) -> PlannerGraph:
+def _graph(ss: Setup, data: Any) -> PlannerGraph:
     vertices = range(data.numVertices())
-    states = np.array([made.buffer.read(data.getVertex(k).getState()) for k in vertices])
+    states = np.array([ss.buffer.read(data.getVertex(k).getState()) for k in vertices])
     edges = [(k, int(to)) for k in vertices for to in data.getEdges(k)]
     return PlannerGraph(
-        states.reshape(-1, made.buffer.size), np.array(edges, dtype=np.int64).reshape(-1, 2)
+        states.reshape(-1, ss.buffer.size), np.array(edges, dtype=np.int64).reshape(-1, 2)
     )

@@ -46,7 +46,7 @@ class RoadmapSet:
     @cached_property
     def pairs(self) -> PairCache:
         """Collision results for pairs of motions."""
-        ids = self.problem.robots
+        ids = self.problem.robot_ids
         members = [
             [ids[i] for i, k in enumerate(self.kinds) if k == kind]
             for kind in range(len(self.roadmaps))

@@ -16,7 +16,7 @@ MIN_CLEARANCE = 1e-3  # m; a smaller clearance costs as much
 OBJECTIVES = ("length", "clearance", "time")
 
 
-def objective_of(name: str, made: Setup) -> Any:
+def objective_of(name: str, ss: Setup) -> Any:
     """Return OMPL's objective of a name.
 
     `length`: path length in the space's metric. `clearance`: integral of the inverse clearance
@@ -25,22 +25,22 @@ def objective_of(name: str, made: Setup) -> Any:
     Raises:
         ValueError: unknown name.
     """
-    si = made.getSpaceInformation()
+    si = ss.getSpaceInformation()
     if name == "length":
         return ob.PathLengthOptimizationObjective(si)
     if name == "clearance":
-        return ClearanceObjective(si, made)
+        return ClearanceObjective(si, ss)
     if name == "time":
-        return TimeObjective(si, made)
+        return TimeObjective(si, ss)
     raise ValueError(f"objective: got {name!r}, expected one of {', '.join(OBJECTIVES)}")
 
 
 class ClearanceObjective(ob.StateCostIntegralObjective):  # type: ignore[misc]
     """Integral of the inverse clearance along the path."""
 
-    def __init__(self, si: Any, made: Setup) -> None:
+    def __init__(self, si: Any, ss: Setup) -> None:
         super().__init__(si, True)
-        self._clearance = made.validity.clearance
+        self._clearance = ss.validity.clearance
 
     def stateCost(self, state: Any) -> Any:  # noqa: N802
         """Inverse clearance of a state, 1/m."""
@@ -50,10 +50,10 @@ class ClearanceObjective(ob.StateCostIntegralObjective):  # type: ignore[misc]
 class TimeObjective(ob.OptimizationObjective):  # type: ignore[misc]
     """Time at full speed along the robots' steering; the slowest robot counts on each motion."""
 
-    def __init__(self, si: Any, made: Setup) -> None:
+    def __init__(self, si: Any, ss: Setup) -> None:
         super().__init__(si)
         # A reference to the set-up would be a cycle through OMPL that is never freed.
-        self._read, self._layouts, self._dt = made.buffer.read, made.layouts, made.problem.dt
+        self._read, self._layouts, self._dt = ss.buffer.read, ss.layouts, ss.problem.dt
 
     def stateCost(self, state: Any) -> Any:  # noqa: N802
         """Zero: only motions have a cost."""

@@ -120,22 +120,22 @@ def setup(
     Raises:
         PlanningError: start or goal collides.
     """
-    problem = Problem.of(scenario, margin, seed)
+    problem = Problem.from_scenario(scenario, margin, seed)
     several = range(len(problem.names)) if robot is None else robot
     names = [several] if isinstance(several, (int, str, np.integer)) else list(several)
     if not names:
         raise ValueError("robot: got none, expected at least one")
     robots = [problem.index(name) for name in names]
     world = problem.world.copy() if world is None else world
-    made = Setup(problem, robots, world, steering=steering, resolution=resolution)
+    ss = Setup(problem, robots, world, steering=steering, resolution=resolution)
     for label, ends in (("start", problem.starts), ("goal", problem.goals)):
-        if not made.validity._core.valid(made.states(ends)):
+        if not ss.validity._core.valid(ss.states(ends)):
             there = world.copy()
             for i in robots:
                 there.set_configuration(problem.names[i], ends[i])
             for i in robots:
                 problem.check_robot(there, i, label)
-    return made
+    return ss
 
 
 def problem_space(problem: Problem, layouts: Sequence[StateLayout]) -> Any:

@@ -14,19 +14,19 @@ from .setup import Setup
 ROUNDS = 4
 
 
-def simplified(made: Setup, states: Floats) -> Floats:
+def simplified(ss: Setup, states: Floats) -> Floats:
     """Shorten a path of joint states (m, size); its motions are checked again.
 
     Where robots steer, only vertices are removed: OMPL's shortcuts interpolate along straight
     motions.
     """
-    path = _path(made, states)
-    straight = all(layout.steering.method == "straight" for layout in made.layouts)
-    simplify(made.getSpaceInformation(), path, straight)
-    if made.motions.error is not None:
-        raise made.motions.error
-    shorter = made.states_of(path)
-    return shorter if made.motions._core.free(shorter[:-1], shorter[1:]).all() else states
+    path = _path(ss, states)
+    straight = all(layout.steering.method == "straight" for layout in ss.layouts)
+    simplify(ss.getSpaceInformation(), path, straight)
+    if ss.motions.error is not None:
+        raise ss.motions.error
+    shorter = ss.states_of(path)
+    return shorter if ss.motions._core.free(shorter[:-1], shorter[1:]).all() else states
 
 
 def simplify(si: Any, path: Any, shortcuts: bool = True) -> None:
@@ -44,30 +44,30 @@ def simplify(si: Any, path: Any, shortcuts: bool = True) -> None:
     simplifier.reduceVertices(path)
 
 
-def _path(made: Setup, states: Floats) -> Any:
-    si = made.getSpaceInformation()
+def _path(ss: Setup, states: Floats) -> Any:
+    si = ss.getSpaceInformation()
     path = og.PathGeometric(si)
     for row in states:
-        path.append(made.buffer.write(si.allocState(), row))
+        path.append(ss.buffer.write(si.allocState(), row))
     return path
 
 
-def steered(made: Setup, states: Floats) -> tuple[Floats, ...]:
+def steered(ss: Setup, states: Floats) -> tuple[Floats, ...]:
     """Way points (m, nq) of each robot along joint states, with the legs of its steering.
 
     All legs of a robot between two states take equal times.
     """
-    paths = made.configurations(states)
-    for i, path in zip(made.robots, paths, strict=True):
-        path[0], path[-1] = made.problem.starts[i], made.problem.goals[i]
+    paths = ss.configurations(states)
+    for i, path in zip(ss.robots, paths, strict=True):
+        path[0], path[-1] = ss.problem.starts[i], ss.problem.goals[i]
     out: list[list[Floats]] = [[path[:1]] for path in paths]
     for k in range(len(states) - 1):
         edges = [
             layout.robot.steer(path[k], path[k + 1], layout.steering.method)
-            for layout, path in zip(made.layouts, paths, strict=True)
+            for layout, path in zip(ss.layouts, paths, strict=True)
         ]
         ends = np.unique(np.concatenate([np.arange(1, len(e)) / (len(e) - 1) for e in edges]))
-        for layout, edge, rows in zip(made.layouts, edges, out, strict=True):
+        for layout, edge, rows in zip(ss.layouts, edges, out, strict=True):
             at = ends * (len(edge) - 1)
             leg = np.minimum(at.astype(int), len(edge) - 2)
             rows.append(layout.robot.interpolate(edge[leg], edge[leg + 1], at - leg))

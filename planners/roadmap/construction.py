@@ -37,7 +37,7 @@ def build_roadmap(problem: Problem, kind: int) -> Roadmap:
     members = [i for i, k in enumerate(problem.kinds) if k == kind]
     robot = problem.models[members[0]]
     name = problem.scenario.robots[members[0]].name
-    check = EdgeCheck(problem.alone(members[0]), name, problem.margin)
+    check = EdgeCheck(problem.world_with(members[0]), name, problem.margin)
     ends = np.array([q for i in members for q in (problem.starts[i], problem.goals[i])])
     distinct = np.unique(ends, axis=0)
     for turn in range(ROUNDS):

@@ -90,7 +90,7 @@ def test_margins_and_tampering_are_found(shell: Shell) -> None:
     texts = {name: str(arrays[name]) for name in ("scenario", "about")}
     rows = {
         f"{name}_{i}": arrays[f"{name}_{i}"]
-        for name in ("configurations", "way_points")
+        for name in ("configurations", "waypoints")
         for i in (0, 1)
     }
     np.savez("q.npz", **{**arrays, "id": PLAN.id(texts, rows)})
@@ -119,8 +119,8 @@ def test_no_plan_is_1_and_one_line(shell: Shell) -> None:
         ("plan", "expected one, or --mesh"),
         ("plan swop", "'swop' is no built-in scenario; did you mean 'swap'?"),
         ("plan none.yaml", "none.yaml: No such file or directory"),
-        ("plan swap --method compsite", "method: 'compsite' is not known; did you mean"),
-        ("plan swap --n 1 --planner RTT", "planner: 'RTT' is not known; did you mean 'RRT"),
+        ("plan swap --method compsite", "method: got 'compsite', which is unknown; did you mean"),
+        ("plan swap --n 1 --planner RTT", "planner: got 'RTT', which is unknown; did you mean"),
         (
             "plan swap --objective speed",
             "--objective: got 'speed', expected length, clearance, time",

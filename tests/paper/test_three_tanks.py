@@ -128,7 +128,7 @@ def test_replanned_path_is_free_by_fcl_at_a_fine_step(experiment: Experiment) ->
     assert not any(peer.hits(q) for q in fine)
     assert replan.plan.certificate.proved
     assert 0.03 < replan.plan.certificate.clearance < 0.2
-    at = problem.world.configuration(problem.robots[0])
+    at = problem.world.configuration(problem.robot_ids[0])
     np.testing.assert_allclose(at, problem.goals[0], atol=1e-12)
 
 

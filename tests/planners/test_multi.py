@@ -48,7 +48,7 @@ def assert_certified(problem: Problem, solution: Solution) -> None:
     """The world certifies each step of all robots at once, independently of the motion tables."""
     q = padded(solution.paths)
     for t in range(q.shape[1] - 1):
-        result = problem.world.check_motions(list(problem.robots), q[:, t], q[:, t + 1])
+        result = problem.world.check_motions(list(problem.robot_ids), q[:, t], q[:, t + 1])
         assert np.all(result.free), f"step {t}"
 
 
@@ -67,7 +67,7 @@ def assert_valid(problem: Problem, solution: Solution) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("name", "options"), CASES, ids=lambda x: str(x))
 def test_solutions_are_certified_and_valid(method: str, name: str, options: dict[str, Any]) -> None:
-    problem = Problem.of(name, **options)
+    problem = Problem.from_scenario(name, **options)
     solution = METHODS[method](problem, 30.0)
     assert solution.complete
     assert_certified(problem, solution)
@@ -76,17 +76,19 @@ def test_solutions_are_certified_and_valid(method: str, name: str, options: dict
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_gives_the_same_paths(method: str) -> None:
-    one, two = (METHODS[method](Problem.of("doorway", n=4, seed=3), 30.0) for _ in range(2))
+    one, two = (
+        METHODS[method](Problem.from_scenario("doorway", n=4, seed=3), 30.0) for _ in range(2)
+    )
     assert all(np.array_equal(a, b) for a, b in zip(one.paths, two.paths, strict=True))
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_robots_keep_the_margin(method: str) -> None:
-    problem = Problem.of("swap", margin=0.1, n=4)
+    problem = Problem.from_scenario("swap", margin=0.1, n=4)
     q = padded(METHODS[method](problem, 30.0).paths)
     for t in range(q.shape[1] - 1):
         result = problem.world.check_motions(
-            list(problem.robots), q[:, t], q[:, t + 1], margin=0.1 - 1e-6
+            list(problem.robot_ids), q[:, t], q[:, t + 1], margin=0.1 - 1e-6
         )
         assert np.all(result.free)
 
@@ -107,7 +109,7 @@ def holonomic(starts: list[tuple[float, float]], goals: list[tuple[float, float]
         "models": {"disc": {"shape": "disc", "drive": drive}},
         "robots": robots,
     }
-    return Problem.of(Scenario.model_validate(scenario))
+    return Problem.from_scenario(Scenario.model_validate(scenario))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -197,7 +199,7 @@ def test_a_meta_agent_is_planned_jointly() -> None:
 
 def test_the_time_limit_holds() -> None:
     with pytest.raises(PlanningError, match="within"):
-        plan_prioritized(Problem.of("swap", n=8), 1e-3)
+        plan_prioritized(Problem.from_scenario("swap", n=8), 1e-3)
 
 
 class Graph:

@@ -199,8 +199,8 @@ def test_a_body_without_a_robot_model_has_se2_or_se3_states() -> None:
 
 def test_joint_checks_agree_with_the_world() -> None:
     scenario = Scenario.load("random", n=3, seed=2)
-    problem = Problem.of(scenario)
-    checker = joint_checker(problem.world, problem.robots, [3] * 3)
+    problem = Problem.from_scenario(scenario)
+    checker = joint_checker(problem.world, problem.robot_ids, [3] * 3)
     rng = np.random.default_rng(3)
     box_ = problem.models[0].workspace
     assert box_ is not None
@@ -209,18 +209,18 @@ def test_joint_checks_agree_with_the_world() -> None:
         q = np.stack([m.random(rng) for m in problem.models])
         to = q + rng.uniform(-1, 1, q.shape)
         if checker.valid(q.ravel()):
-            found = problem.world.check_motions(list(problem.robots), q, to)
+            found = problem.world.check_motions(list(problem.robot_ids), q, to)
             seen.add(free := bool(checker.free(q.ravel(), to.ravel())))
             assert free == bool(found)
     assert seen == {True, False}
 
 
 def test_meet_agrees_with_check_motions() -> None:
-    problem = Problem.of("random", n=2, seed=1)
+    problem = Problem.from_scenario("random", n=2, seed=1)
     rng = np.random.default_rng(4)
     q = rng.uniform(-1, 1, (300, 4, 3))
     met = problem.world.motions_collide(
-        *[problem.robots[0], q[:, 0], q[:, 1], problem.robots[1], q[:, 2], q[:, 3]]
+        *[problem.robot_ids[0], q[:, 0], q[:, 1], problem.robot_ids[1], q[:, 2], q[:, 3]]
     )
     empty = World()
     ids = [empty.add_robot(m, name=n) for m, n in zip(problem.models, problem.names, strict=True)]
@@ -229,7 +229,7 @@ def test_meet_agrees_with_check_motions() -> None:
         assert hit == (not empty.check_motions(ids, [a0, b0], [a1, b1]))
     with pytest.raises(ValueError, match="the same robot"):
         problem.world.motions_collide(
-            problem.robots[0], q[0, 0], q[0, 1], problem.robots[0], q[0, 2], q[0, 3]
+            problem.robot_ids[0], q[0, 0], q[0, 1], problem.robot_ids[0], q[0, 2], q[0, 3]
         )
 
 
@@ -274,7 +274,7 @@ def test_every_planner_finds_a_certified_path(name: str) -> None:
 
 def test_a_free_straight_motion_is_returned_for_aorrtc() -> None:
     """AORRTC of OMPL 2.0.1 returns the goal twice; it is replaced by start and goal."""
-    problem = Problem.of("swap", n=1)
+    problem = Problem.from_scenario("swap", n=1)
     path = plan_composite(problem, planner="AORRTC", time_limit=0.2).paths[0]
     ends = [problem.starts[0][:2], problem.goals[0][:2]]
     assert np.allclose(path[[0, -1], :2], ends)
@@ -282,7 +282,7 @@ def test_a_free_straight_motion_is_returned_for_aorrtc() -> None:
 
 def test_a_planner_that_does_not_support_the_space_is_an_error() -> None:
     with pytest.raises(PlanningError, match=r"BITstar does not support .*use another planner"):
-        plan_composite(Problem.of("swap", n=2), planner="BITstar", time_limit=0.2)
+        plan_composite(Problem.from_scenario("swap", n=2), planner="BITstar", time_limit=0.2)
 
 
 @pytest.mark.parametrize("name", ["RRTConnect", "PRM", "PRMstar", "BITstar"])
@@ -380,7 +380,7 @@ def test_a_cars_arcs_stay_in_the_workspace() -> None:
 
 def test_free_bodies_are_planned_with_rounded_quaternions() -> None:
     """Scenarios store six digits; OMPL rejects norms that differ from 1 by over 1e-9."""
-    problem = Problem.of("cubicles")
+    problem = Problem.from_scenario("cubicles")
     q = plan_composite(problem, time_limit=30.0).paths[0]
     assert len(q) > 2
-    assert problem.world.check_motion(problem.robots[0], q[:-1], q[1:])
+    assert problem.world.check_motion(problem.robot_ids[0], q[:-1], q[1:])

@@ -223,10 +223,10 @@ def test_plans_are_free_at_sampled_times(name: str, n: int, method: str) -> None
     """Oracle: contacts of a separate world, every 0.05 s."""
     plan = fgenv.plan(name, n=n, seed=1, method=method, time_limit=30.0)
     assert plan.certificate
-    problem = Problem.of(plan.scenario)
+    problem = Problem.from_scenario(plan.scenario)
     world = problem.world.copy()
     for time in np.arange(0.0, plan.makespan, 0.05):
-        for robot, q in zip(problem.robots, plan.at(time), strict=True):
+        for robot, q in zip(problem.robot_ids, plan.at(time), strict=True):
             world.set_configuration(robot, q)
         assert len(world.contact_pairs()) == 0
     for i, q in enumerate(plan.configurations):
@@ -250,15 +250,15 @@ def test_plans_keep_the_margin_and_the_certified_clearance_is_a_bound() -> None:
     proof = plan.certificate
     assert proof.margin == 0.05
     assert proof.clearance > 0.05
-    problem = Problem.of(plan.scenario)
+    problem = Problem.from_scenario(plan.scenario)
     world = problem.world.copy()
     gaps = []
     for row in range(plan.steps + 1):
         for i, q in enumerate(plan.configurations):
-            world.set_configuration(problem.robots[i], q[row])
+            world.set_configuration(problem.robot_ids[i], q[row])
         gaps += [
             float(world.clearance(r, q[row]).distance)
-            for r, q in zip(problem.robots, plan.configurations, strict=True)
+            for r, q in zip(problem.robot_ids, plan.configurations, strict=True)
         ]
     assert proof.clearance <= min(gaps)
     assert proof.clearance > min(gaps) - 5e-3
@@ -268,7 +268,7 @@ def test_plans_keep_the_margin_and_the_certified_clearance_is_a_bound() -> None:
 
 def test_a_larger_margin_fails_where_robots_come_near() -> None:
     plan = fgenv.plan("doorway", n=2, method="composite")
-    problem = Problem.of(plan.scenario)
+    problem = Problem.from_scenario(plan.scenario)
     wide = certify(problem, plan.configurations, margin=plan.certificate.clearance + 0.01)
     assert not wide
     assert wide.failed_step is not None
@@ -299,7 +299,7 @@ def test_corners_of_steps_are_the_way_points() -> None:
 
 @pytest.mark.parametrize("planner", ["RRTConnect", "PRM"])
 def test_the_planners_graph_is_returned_on_request(planner: str) -> None:
-    problem = Problem.of("random", n=1, seed=1)
+    problem = Problem.from_scenario("random", n=1, seed=1)
     route = plan_composite(problem, planner=planner, time_limit=0.5, graph=True)
     assert route.graph is not None
     assert route.graph.states.shape == (route.facts["vertices"], 3)
@@ -308,7 +308,7 @@ def test_the_planners_graph_is_returned_on_request(planner: str) -> None:
     starts, ends = (route.graph.states[route.graph.edges[:, k]] for k in (0, 1))
     checker = problem.world
     paths = [problem.models[0].steer(a, b) for a, b in zip(starts[:50], ends[:50], strict=True)]
-    assert all(checker.check_motion(problem.robots[0], p[:-1], p[1:]) for p in paths)
+    assert all(checker.check_motion(problem.robot_ids[0], p[:-1], p[1:]) for p in paths)
 
 
 def test_robots_that_vanish_may_share_a_goal() -> None:
@@ -319,9 +319,9 @@ def test_robots_that_vanish_may_share_a_goal() -> None:
     assert plan.certificate
     assert verify(plan)
     assert plan.arrivals[0] != plan.arrivals[1]
-    assert Problem.of(scenario).kinds == (0, 0)
+    assert Problem.from_scenario(scenario).kinds == (0, 0)
     apart = scenario.replace(allowed=(("robot 1", "static"),))
-    assert Problem.of(apart).kinds == (0, 1)
+    assert Problem.from_scenario(apart).kinds == (0, 1)
 
 
 def test_a_robot_that_is_at_its_goal_vanishes_after_a_step() -> None:
@@ -331,7 +331,7 @@ def test_a_robot_that_is_at_its_goal_vanishes_after_a_step() -> None:
     near = tuple(np.array(second.start) - [0.65 * np.cos(second.start[2]), 0, 0])
     there = first.model_copy(update={"start": tuple(map(float, near))})
     made = scenario.replace(robots=[there, here], at_goal="vanish")
-    problem = Problem.of(made)
+    problem = Problem.from_scenario(made)
     still = np.repeat(problem.starts[1][None], 2, axis=0)
     through = np.stack([problem.starts[0], problem.starts[1]])
     assert not certify(problem, [through, still])
@@ -341,7 +341,7 @@ def test_a_robot_that_is_at_its_goal_vanishes_after_a_step() -> None:
 
 def test_certify_needs_the_paths_of_all_robots() -> None:
     plan = fgenv.plan("doorway", n=2, method="composite")
-    problem = Problem.of(plan.scenario)
+    problem = Problem.from_scenario(plan.scenario)
     for wrong in (
         [],
         plan.configurations[:1],
@@ -366,10 +366,10 @@ def test_errors_name_the_cause() -> None:
     with pytest.raises(PlanningError, match="goal of 'robot 1': collides with robot 2"):
         fgenv.plan(crowded)
     vanishing = crowded.replace(at_goal="vanish")
-    Problem.of(vanishing).check()
-    with pytest.raises(ValueError, match="method: 'magic' is not known"):
+    Problem.from_scenario(vanishing).check()
+    with pytest.raises(ValueError, match="method: got 'magic', which is unknown"):
         fgenv.plan("swap", method="magic")
-    with pytest.raises(ValueError, match=r"planner: 'RTT' is not known; .*RRT"):
+    with pytest.raises(ValueError, match=r"planner: got 'RTT', which is unknown; .*RRT"):
         fgenv.plan("doorway", "RTT", n=1)
     with pytest.raises(ValueError, match="time_limit: got 0"):
         fgenv.plan("doorway", n=1, time_limit=0)

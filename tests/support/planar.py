@@ -45,7 +45,7 @@ def planar_problem(
         "bodies": standing,
         "workspace": workspace and dict(zip(("low", "high"), workspace, strict=True)),
     }
-    return Problem.of(Scenario.model_validate(document))
+    return Problem.from_scenario(Scenario.model_validate(document))
 
 
 class Fcl:
@@ -83,4 +83,4 @@ def box(x: float, y: float, z: float = 1.0) -> trimesh.Trimesh:
 
 def at(problem: Problem) -> Floats:
     """The robot's current configuration, (3,)."""
-    return np.asarray(problem.world.configuration(problem.robots[0]))
+    return np.asarray(problem.world.configuration(problem.robot_ids[0]))

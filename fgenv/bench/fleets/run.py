@@ -54,7 +54,7 @@ def median(values: list[float | None]) -> float | None:
 
 def attempt(case: Scenario, method: str, limit: float) -> Record:
     """One case. What reads the scenario is not counted; timing and the proof of the plan are."""
-    problem = Problem.of(case)
+    problem = Problem.from_scenario(case)
     began = process_time()
     try:
         found = plan(problem, time_limit=limit, method=method)

@@ -27,7 +27,9 @@ def race_family(family: str, numbers: Sequence[int], seed: int, limit: float, to
     found: dict[str, list[Found]] = {CERTIFIED: [], ARM: []}
     hidden = dict.fromkeys(found, 0)
     for k, number in enumerate(numbers):
-        task = ArmTask(f"{family} {number}", Problem.of("mbm", family=family, problem=number))
+        task = ArmTask(
+            f"{family} {number}", Problem.from_scenario("mbm", family=family, problem=number)
+        )
         bind = arm_bodies(task)
         ways = {CERTIFIED: ours(task.problem), ARM: theirs(task, bind)}
         judge = judge_of(task, bind)

@@ -50,7 +50,7 @@ class Task:
         scenario, _, n = name.partition(":")
         if n and not n.isdecimal():
             raise ValueError(f"problems: got {name!r}, expected a scenario's name, or NAME:ROBOTS")
-        problem = Problem.of(scenario, **({"n": int(n)} if n else {}))
+        problem = Problem.from_scenario(scenario, **({"n": int(n)} if n else {}))
         for robot in problem.models:
             if robot.base != "free" or robot.nq != 7 or (robot.mount != np.eye(4)).any():
                 raise ValueError(f"problems: {name!r}: expected robots that are free bodies")
