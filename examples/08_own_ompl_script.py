@@ -46,7 +46,7 @@ setup.simplifySolution()
 path = setup.getSolutionPath()
 states = [path.getState(k) for k in range(path.getStateCount())]
 way = np.array([(s.getX(), s.getY(), s.getYaw()) for s in states])
-print(f"{len(way)} way points, {path.length():.2f} m through the door:")
+print(f"{len(way)} waypoints, {path.length():.2f} m through the door:")
 print(way.round(2))
 for a, b in pairwise(way):
     assert world.check_motion("sofa", a, b)  # the same proof, asked of the world

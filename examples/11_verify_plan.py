@@ -29,9 +29,7 @@ except PlanError as error:
 # Who hashes it anew gets no further: no robot is that fast, or it is not proved.
 texts = {name: str(arrays[name]) for name in ("scenario", "about")}
 rows = {
-    f"{name}_{i}": arrays[f"{name}_{i}"]
-    for name in ("configurations", "way_points")
-    for i in (0, 1)
+    f"{name}_{i}": arrays[f"{name}_{i}"] for name in ("configurations", "waypoints") for i in (0, 1)
 }
 np.savez("forged.npz", **{**arrays, "id": PLAN.id(texts, rows)})
 try:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.robots import Robot
 
-if TYPE_CHECKING:
-    from .problem import Problem
-
+from .problem import Problem
 
 END_TOLERANCE = 1e-9  # meters of displacement, for rounding
 SLACK = 1e-6  # of a limit

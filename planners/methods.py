@@ -30,12 +30,12 @@ class TimedPaths(NamedTuple):
 
     Attributes:
         configurations: of each robot at each step, (k + 1, nq).
-        way_points: of each robot's path before timing, (m, nq).
+        waypoints: of each robot's path before timing, (m, nq).
         facts: plain values about the search.
     """
 
     configurations: Sequence[Floats]
-    way_points: Sequence[Floats]
+    waypoints: Sequence[Floats]
     facts: dict[str, Any]
 
 

@@ -11,7 +11,7 @@ and for each robot i, in the order of the scenario:
 
     configurations_<i>  (k + 1, nq) float64: configuration at each time step from the start to the
                         goal, straight in between (m, rad)
-    way_points_<i>      (m, nq) float64: the path before timing
+    waypoints_<i>      (m, nq) float64: the path before timing
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Plan:
     Attributes:
         scenario: the scenario that was planned.
         configurations: of each robot at each step, (k + 1, nq); straight in between.
-        way_points: of each robot's path before timing, (m, nq).
+        waypoints: of each robot's path before timing, (m, nq).
         method, planner, seed: arguments of the planning.
         certificate: certified properties of the timed paths.
         facts: plain values about the search, such as seconds and numbers of checks.
@@ -60,7 +60,7 @@ class Plan:
 
     scenario: Scenario
     configurations: tuple[Floats, ...] = field(repr=False)
-    way_points: tuple[Floats, ...] = field(repr=False)
+    waypoints: tuple[Floats, ...] = field(repr=False)
     method: str
     planner: str
     seed: int
@@ -69,7 +69,7 @@ class Plan:
     urdf: dict[str, str] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("configurations", "way_points"):
+        for name in ("configurations", "waypoints"):
             arrays = tuple(np.array(a, dtype=np.float64) for a in getattr(self, name))
             for array in arrays:
                 array.flags.writeable = False
@@ -147,7 +147,7 @@ class Plan:
         """Arrays of the plan file, by name."""
         return {
             f"{name}_{i}": array
-            for name in ("configurations", "way_points")
+            for name in ("configurations", "waypoints")
             for i, array in enumerate(getattr(self, name))
         }
 
@@ -185,7 +185,7 @@ class Plan:
             return cls(
                 scenario.at(Path(path).parent),
                 tuple(arrays[f"configurations_{i}"] for i in n),
-                tuple(arrays[f"way_points_{i}"] for i in n),
+                tuple(arrays[f"waypoints_{i}"] for i in n),
                 certificate=Certificate(**certificate),
                 **about,
             )

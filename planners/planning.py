@@ -75,7 +75,7 @@ def plan(
     return Plan(
         problem.scenario,
         configurations,
-        tuple(found.way_points),
+        tuple(found.waypoints),
         method,
         planner,
         problem.seed,

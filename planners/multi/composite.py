@@ -32,13 +32,13 @@ PLANNERS = (
 
 @dataclass(frozen=True)
 class JointPath:
-    """Way points of robots in their joint space: all robots are at way point k at the same time.
+    """Waypoints of robots in their joint space: all robots are at waypoint k at the same time.
 
     Attributes:
         robots: places of the robots in the problem.
-        paths: (m, nq) of each robot; straight between way points.
+        paths: (m, nq) of each robot; straight between waypoints.
         facts: `seconds` in total, `found_after` (s), `search` (CPU seconds of OMPL), numbers of
-            checked states, motions and pairs of bodies (after masks), way points before
+            checked states, motions and pairs of bodies (after masks), waypoints before
             simplification, vertices and edges of the planner's graph.
         graph: the planner's graph, if requested.
     """
@@ -110,7 +110,7 @@ def plan_composite(
                 " or seed"
             )
         facts = {"planner": planner, "found_after": found_after, "search": cpu}
-        facts["way_points_found"] = len(states)
+        facts["waypoints_found"] = len(states)
         if simplify:
             states = simplified(ss, states)
     data = _planner_data(ss, graph or planner != "BITstar")  # OMPL 2.0.1: BITstar's data leaks

@@ -1,4 +1,4 @@
-"""Simplification of OMPL's paths, and way points along the robots' steering."""
+"""Simplification of OMPL's paths, and waypoints along the robots' steering."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _path(ss: Setup, states: Floats) -> Any:
 
 
 def steered(ss: Setup, states: Floats) -> tuple[Floats, ...]:
-    """Way points (m, nq) of each robot along joint states, with the legs of its steering.
+    """Waypoints (m, nq) of each robot along joint states, with the legs of its steering.
 
     All legs of a robot between two states take equal times.
     """

@@ -58,7 +58,7 @@ def robot_with(drive: Drive) -> Robot:
 
 
 def path_for(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    """Way points that the drive can go along, one after the other."""
+    """Waypoints that the drive can go along, one after the other."""
     n = 5
     if robot.base == "free":
         half = 0.5 * rng.uniform(-np.pi, np.pi, n)
@@ -75,7 +75,7 @@ def path_for(robot: Robot, rng: np.random.Generator) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_timed_paths_keep_the_limits_and_pass_the_way_points(name: str) -> None:
+def test_timed_paths_keep_the_limits_and_pass_the_waypoints(name: str) -> None:
     robot = robot_with(DRIVES[name])
     for seed in range(5):
         path = path_for(robot, np.random.default_rng(seed))
@@ -99,7 +99,7 @@ def test_without_acceleration_limits_the_duration_is_length_over_speed() -> None
     assert len(steps_of(robot, np.array([[1.0, 2.0, 0.5]]), DT)) == 1
 
 
-def test_robots_that_are_timed_together_reach_way_points_together() -> None:
+def test_robots_that_are_timed_together_reach_waypoints_together() -> None:
     robots = [robot_with(DRIVES["holonomic"]), robot_with(DRIVES["slow to start"])]
     paths = [
         np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]]),
@@ -291,7 +291,7 @@ def test_objectives(objective: str) -> None:
     assert plan.certificate
 
 
-def test_corners_of_steps_are_the_way_points() -> None:
+def test_corners_of_steps_are_the_waypoints() -> None:
     robot = robot_with(DRIVES["holonomic"])
     path = np.array([[0.0, 0, 0], [1, 0, 0], [1, 2, 0.5]])
     assert np.allclose(corners(steps_of(robot, path, DT)), path)
