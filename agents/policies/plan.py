@@ -72,14 +72,14 @@ class PlanPolicy(BasePolicy):
         super().reset(view)
         self._simulator = view._simulator  # the view lacks the scenario of the episode
         self._runs: list[Run | None] = [None] * view.n_worlds
-        self._worst = 0.0
-        self._refresh()
+        self._max_error = 0.0
+        self._plan_new_episodes()
 
     @property
     def tracking_error(self) -> float:
         """Largest distance of a robot from its plan since the last reset, m."""
-        self._look(self.view.configurations)
-        return self._worst
+        self._tracking_errors(self.view.configurations)
+        return self._max_error
 
     @property
     def waited(self) -> float:
@@ -91,32 +91,32 @@ class PlanPolicy(BasePolicy):
     def act(self, observations: Floats32) -> Floats:
         """Return actions (worlds, robots, size)."""
         view = self.view
-        self._refresh()
+        self._plan_new_episodes()
         q = view.configurations
-        off, tolerance = self._look(q), self._tolerance
-        late = np.zeros(off.shape, dtype=bool)
+        errors, tolerance = self._tracking_errors(q), self._tolerance
+        late = np.zeros(errors.shape, dtype=bool)
         for k, run in enumerate(self._runs):
             assert run is not None
             run.steps = int(view.steps[k])
             if run.course is not None:
-                late[k] = run.late(off[k], tolerance)
-                self._tick(k, run, q[k], off[k] > tolerance, late[k])
-        places, out = self._places(q), off > tolerance
-        stay = out & np.array([run is not None and run.held for run in self._runs])[:, None]
-        places[stay] = q[stay]
-        return self._lead(q, places)
+                late[k] = run.late(errors[k], tolerance)
+                self._advance_clock(k, run, q[k], errors[k] > tolerance, late[k])
+        references, off_course = self._references(q), errors > tolerance
+        stay = off_course & np.array([run is not None and run.held for run in self._runs])[:, None]
+        references[stay] = q[stay]
+        return self._tracking_actions(q, references)
 
     # Episodes
 
     @property
-    def _keys(self) -> list[tuple[int, int]]:
+    def _episode_keys(self) -> list[tuple[int, int]]:
         """Seed and number of the episode of each world."""
         simulator = self._simulator
         return list(zip(simulator.seeds.tolist(), simulator.episodes.tolist(), strict=True))
 
-    def _refresh(self) -> None:
+    def _plan_new_episodes(self) -> None:
         """Plan episodes that have begun."""
-        for k, key in enumerate(self._keys):
+        for k, key in enumerate(self._episode_keys):
             run, steps = self._runs[k], int(self.view.steps[k])
             if run is None or run.key != key or steps < run.steps:
                 self._runs[k] = Run(key, self._course(k), steps=steps)
@@ -137,9 +137,9 @@ class PlanPolicy(BasePolicy):
             course = Course.of(self.plan)
             check_plan(course, self.view, world)
             return course
-        return self._find(scenario, self.seed, self.time_limit)
+        return self._plan_scenario(scenario, self.seed, self.time_limit)
 
-    def _find(self, scenario: Scenario, seed: int, time_limit: float) -> Course:
+    def _plan_scenario(self, scenario: Scenario, seed: int, time_limit: float) -> Course:
         return find(
             scenario,
             self.method,
@@ -149,7 +149,7 @@ class PlanPolicy(BasePolicy):
             way_points=self._simulator.actions == "way_points",
         )
 
-    # Following
+    # Tracking
 
     @property
     def _tolerance(self) -> Floats:
@@ -160,90 +160,96 @@ class PlanPolicy(BasePolicy):
             [robot.required_drive.base_drive.recovery_error for robot in self.view.robots]
         )
 
-    def _places(self, q: Floats) -> Floats:
+    def _references(self, q: Floats) -> Floats:
         """Configurations (worlds, robots, nq) of the plans at their clocks; q without a plan."""
-        places = q.copy()
+        references = q.copy()
         for k, run in enumerate(self._runs):
             if run is not None and run.course is not None:
                 for i, row in enumerate(run.course.at(run.clock)):
-                    places[k, i, : len(row)] = row
-        return places
+                    references[k, i, : len(row)] = row
+        return references
 
-    def _look(self, q: Floats) -> Floats:
+    def _tracking_errors(self, q: Floats) -> Floats:
         """Distances from the courses (worlds, robots), m; 0 for robots at their goals."""
-        off, places, moving = np.zeros(q.shape[:2]), self._places(q), self.view.moving
+        errors, references, moving = np.zeros(q.shape[:2]), self._references(q), self.view.moving
         for i, robot in enumerate(self.view.robots):
-            off[:, i] = robot.displacement_bound(q[:, i, : robot.nq], places[:, i, : robot.nq])
+            errors[:, i] = robot.displacement_bound(
+                q[:, i, : robot.nq], references[:, i, : robot.nq]
+            )
         keys = zip(self._simulator.seeds, self._simulator.episodes, strict=True)
         same = [
             run is not None and run.key == key for run, key in zip(self._runs, keys, strict=True)
         ]
-        off = np.where(moving & np.array(same)[:, None], off, 0.0)
-        self._worst = max(self._worst, float(off.max()))
-        return off
+        errors = np.where(moving & np.array(same)[:, None], errors, 0.0)
+        self._max_error = max(self._max_error, float(errors.max()))
+        return errors
 
-    def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
-        """Advance the clock, or stop it for late robots; `out` robots are off their courses."""
+    def _advance_clock(
+        self, world: int, run: Run, q: Floats, off_course: Flags, late: Flags
+    ) -> None:
+        """Advance the clock, or stop it for late robots."""
         assert run.course is not None
         last, run.held = float(run.course.last), False
-        if run.rate == 1.0 and run.clock == int(run.clock) and not out.any():
+        if run.rate == 1.0 and run.clock == int(run.clock) and not off_course.any():
             run.clock = min(run.clock + 1.0, last)
             return
         for rate in rates(run, bool(late.any())):
             clock = min(run.clock + rate, last)
-            if self._can(world, run, q, out, clock) and self._free(world, run, q, clock):
+            if self._reachable(world, run, q, off_course, clock) and self._certified(
+                world, run, q, clock
+            ):
                 break
         else:
             clock, run.held = run.clock, True  # no rate is free: brake as hard as possible
         run.rate = 1.0 if clock == last else clock - run.clock
         run.waited, run.clock = run.waited + 1.0 - run.rate, clock
 
-    def _can(self, world: int, run: Run, q: Floats, out: Flags, clock: float) -> bool:
+    def _reachable(self, world: int, run: Run, q: Floats, off_course: Flags, clock: float) -> bool:
         """Whether all robots on their courses can follow the clock."""
         assert run.course is not None
         view, rows = self.view, run.course.at(clock)
-        before, on = view.velocities[world], view.moving[world] & ~out
+        before, on = view.velocities[world], view.moving[world] & ~off_course
 
-        def can(i: int) -> bool:
+        def reachable(i: int) -> bool:
             robot = view.robots[i]
-            here = q[i, : robot.nq]
-            return robot.required_drive.reaches(robot, here, rows[i], before[i], view.dt)
+            current = q[i, : robot.nq]
+            return robot.required_drive.reaches(robot, current, rows[i], before[i], view.dt)
 
-        return all(can(i) for i in np.flatnonzero(on).tolist())
+        return all(reachable(i) for i in np.flatnonzero(on).tolist())
 
-    def _free(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
+    def _certified(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
         """Whether the simultaneous motions through the plan at these clocks are certified free."""
         on = np.flatnonzero(self.view.moving[world]).tolist()
         if not on:
             return True
         names, models = [self.view.names[i] for i in on], [self.view.robots[i] for i in on]
-        rows = [self._expected(run, q, i, clocks) for i in on]
+        rows = [self._predicted(run, q, i, clocks) for i in on]
         return bool(free_steps(self.view.world(world), names, models, rows).all())
 
-    def _expected(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
+    def _predicted(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
         """Current and planned configurations of a robot at clocks, (1 + len(clocks), nq)."""
         assert run.course is not None
         ahead = [run.course.at(clock)[i] for clock in clocks]
         return np.array([q[i, : self.view.robots[i].nq], *ahead])
 
-    def _lead(self, q: Floats, places: Floats) -> Floats:
-        """Actions to places, by the inverse models of the drives or by way points."""
+    def _tracking_actions(self, q: Floats, references: Floats) -> Floats:
+        """Actions toward references, by the inverse models of the drives or by way points."""
         view, simulator = self.view, self._simulator
-        backs = np.zeros(q.shape[:2], dtype=bool)
-        asked = np.zeros((view.n_worlds, view.n_robots, view.action_size))
+        reverse = np.zeros(q.shape[:2], dtype=bool)
+        actions = np.zeros((view.n_worlds, view.n_robots, view.action_size))
         for i, robot in enumerate(view.robots):
-            ends = q[:, i, : robot.nq], places[:, i, : robot.nq]
+            ends = q[:, i, : robot.nq], references[:, i, : robot.nq]
             if simulator.actions == "way_points":
-                own, led = robot.required_drive.tracking_waypoint(
+                own, tracked = robot.required_drive.tracking_waypoint(
                     robot, *ends, view.dt, simulator.way_point_seconds
                 )
-                backs[:, i] = ~led
+                reverse[:, i] = ~tracked
             else:
                 own = robot.required_drive.tracking_action(robot, *ends, view.dt)
-            asked[:, i, : own.shape[1]] = own
-        if backs.any():
-            asked[backs] = view.toward(places)[backs]
-        return asked
+            actions[:, i, : own.shape[1]] = own
+        if reverse.any():
+            actions[reverse] = view.toward(references)[reverse]
+        return actions
 
 
 def plan(argument: str, seed: int) -> PlanPolicy:

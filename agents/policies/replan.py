@@ -91,26 +91,28 @@ class ReplanPolicy(PlanPolicy):
             self._monitors[world] = known
         return known[1]
 
-    def _tick(self, world: int, run: Run, q: Floats, out: Flags, late: Flags) -> None:
+    def _advance_clock(
+        self, world: int, run: Run, q: Floats, off_course: Flags, late: Flags
+    ) -> None:
         assert run.course is not None
         monitor, moving = self._monitor(world, run, q), self.view.moving[world]
         ahead = [min(run.clock + j + 1, run.course.last) for j in range(self._steps)]
-        blocked = not self._free(world, run, q, *ahead)
-        awaited = out & moving & ~monitor.strays
-        new = awaited & (run.stuck >= STRAY_STEPS) & (late | blocked)
+        blocked = not self._certified(world, run, q, *ahead)
+        lagging = off_course & moving & ~monitor.strays
+        new = lagging & (run.stuck >= STRAY_STEPS) & (late | blocked)
         monitor.strays = (monitor.strays | new) & moving
-        since = 0 if (awaited & (run.stuck < STRAY_STEPS)).any() else run.steps - monitor.planned
-        back = self._back(monitor, q) & ~new & (since >= RETURN_STEPS)
+        since = 0 if (lagging & (run.stuck < STRAY_STEPS)).any() else run.steps - monitor.planned
+        resting = self._resting_strays(monitor, q) & ~new & (since >= RETURN_STEPS)
         left = run.clock == run.course.last and (moving & ~monitor.strays).any()
-        due = new.any() or (since >= REPLAN_STEPS and (blocked or left or back.any()))
-        if due and self._at_rest(world, monitor):
-            monitor.strays &= ~back
+        replan_due = new.any() or (since >= REPLAN_STEPS and (blocked or left or resting.any()))
+        if replan_due and self._at_rest(world, monitor):
+            monitor.strays &= ~resting
             self._replan(world, run, monitor, q)
             return
-        stop = moving if blocked or due else late & ~monitor.strays
-        super()._tick(world, run, q, out, stop)
+        stop = moving if blocked or replan_due else late & ~monitor.strays
+        super()._advance_clock(world, run, q, off_course, stop)
 
-    def _back(self, monitor: Monitor, q: Floats) -> Flags:
+    def _resting_strays(self, monitor: Monitor, q: Floats) -> Flags:
         """Strays that have not moved in the last step."""
         still: Flags = np.abs(q - monitor.before).max(axis=1) < AT_REST * self.view.dt
         return monitor.strays & still
@@ -130,12 +132,12 @@ class ReplanPolicy(PlanPolicy):
         )
         return min(MIN_LOOK_AHEAD + int(longest), MAX_LOOK_AHEAD)
 
-    def _expected(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
+    def _predicted(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
         for known, monitor in self._monitors.values():
             if known is run and monitor.strays[i]:
                 model = self.view.robots[i]
                 return onward(model, monitor.before[i, : model.nq], q[i, : model.nq], len(clocks))
-        return super()._expected(run, q, i, clocks)
+        return super()._predicted(run, q, i, clocks)
 
     def _replan(self, world: int, run: Run, monitor: Monitor, q: Floats) -> None:
         """Plan from the current state; without a plan all robots rest until the next attempt."""
@@ -146,11 +148,11 @@ class ReplanPolicy(PlanPolicy):
         if not movers:
             return
         scenario = scenario_of_episode(self._simulator, world)
-        now, places = from_here(scenario, self.view.robots, q, movers, standing)
+        problem, robots = from_here(scenario, self.view.robots, q, movers, standing)
         seed = self.seed + self.replans + 1
         try:
-            course = self._find(now, seed, self.replan_time_limit)
-            run.course = self._whole(course, places, movers, q)
+            course = self._plan_scenario(problem, seed, self.replan_time_limit)
+            run.course = self._with_all_robots(course, robots, movers, q)
         except PlanningError as error:
             self.problems[world] = str(error)
             return
@@ -158,8 +160,8 @@ class ReplanPolicy(PlanPolicy):
         self.replans += 1
         run.clock, run.rate, run.nearest = 0.0, 1.0, np.empty(0)
 
-    def _whole(
-        self, course: Course, places: Sequence[int], movers: Sequence[int], q: Floats
+    def _with_all_robots(
+        self, course: Course, robots: Sequence[int], movers: Sequence[int], q: Floats
     ) -> Course:
         """Extend a course of some robots to all; the other robots rest.
 
@@ -167,7 +169,7 @@ class ReplanPolicy(PlanPolicy):
             PlanningError: the course moves a resting robot.
         """
         rows = [np.tile(q[i, : m.nq], (course.last + 1, 1)) for i, m in enumerate(self.view.robots)]
-        for i, own in zip(places, course.configurations, strict=True):
+        for i, own in zip(robots, course.configurations, strict=True):
             if i not in movers and (own != own[0]).any():
                 raise PlanningError(f"the plan moves {self.view.names[i]}, which rests")
             rows[i] = own

@@ -116,26 +116,32 @@ def max_offsets(simulator: Simulator, i: int, part: Part) -> Floats:
     low, high = limits(simulator, i)
     base = {"fixed": 0, "planar": 3, "free": 7}[robot.base]
     axes = {"fixed": 0, "planar": 2, "free": 3}[robot.base]
-    place = np.full(axes, np.linalg.norm((high - low)[:axes]) if axes else 0.0)
+    position = np.full(axes, np.linalg.norm((high - low)[:axes]) if axes else 0.0)
     turn = np.ones({"fixed": 0, "planar": 2, "free": 4}[robot.base])
     joints = (high - low)[base:]
     if part.name == "goal":
-        return np.concatenate([place, turn, joints])
-    return place if axes else joints
+        return np.concatenate([position, turn, joints])
+    return position if axes else joints
 
 
 def max_neighbors(simulator: Simulator, i: int, size: int) -> Floats:
     """Return the largest magnitudes of robot i's observation of other robots."""
     others = range(simulator.n_robots)
-    far = way = extent(simulator)
-    fast = speed(simulator, i) + max(speed(simulator, j) for j in others)
+    distance = path_distance = extent(simulator)
+    relative_speed = speed(simulator, i) + max(speed(simulator, j) for j in others)
     radius = max(robot.reach[robot.root] for robot in simulator.robots)
     axes, turn = (2, 2) if flat(simulator) else (3, 4)
-    seen, closest = simulator.observation, 1.0
-    if seen.neighbor_range is not None:  # unit vectors, scaled by the closeness
-        far, closest = 1.0, 1.0 + 2.0 * radius / seen.neighbor_range
-    one = [*[far] * axes, *[1.0] * turn, *[fast] * axes, radius, *[way] * axes * seen.intent]
-    return np.tile(one, size // len(one)) * closest
+    observation, closeness = simulator.observation, 1.0
+    if observation.neighbor_range is not None:  # unit vectors, scaled by the closeness
+        distance, closeness = 1.0, 1.0 + 2.0 * radius / observation.neighbor_range
+    one = [
+        *[distance] * axes,
+        *[1.0] * turn,
+        *[relative_speed] * axes,
+        radius,
+        *[path_distance] * axes * observation.intent,
+    ]
+    return np.tile(one, size // len(one)) * closeness
 
 
 def flat(simulator: Simulator) -> bool:
