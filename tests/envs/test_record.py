@@ -269,7 +269,7 @@ def test_other_kinds_of_files_raise(tmp_path: Path, saved: bytes) -> None:
     with np.load(tmp_path / "run.npz") as file:
         parts = {name: file[name] for name in file.files}
     for change, message in (
-        ({"format": "fgenv record 2"}, "is 'fgenv record 2', expected 'fgenv record 1'; use the"),
+        ({"format": "fgenv record 2"}, "got 'fgenv record 2', expected 'fgenv record 1'; use the"),
         ({"actions": parts["actions"] * 0.5}, "is damaged"),
         ({"scenario": str(parts["scenario"]).replace("swap", "swop")}, "is damaged"),
         ({"rewards": np.array(["x"])}, "is damaged"),

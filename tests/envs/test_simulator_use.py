@@ -91,5 +91,5 @@ def test_an_empty_observation_raises() -> None:
 def test_settings_of_a_wrong_type_raise(name: str) -> None:
     with pytest.raises(TypeError, match=rf"{name}: got 3, expected fgenv\.envs\.{name.title()}"):
         Simulator("swap", **{name: 3})  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="way_point_seconds: 'a'"):
+    with pytest.raises(ValueError, match="way_point_seconds: got 'a'"):
         Simulator("swap", way_point_seconds="a")  # type: ignore[arg-type]
