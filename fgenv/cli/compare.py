@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -125,16 +126,8 @@ def _share(value: float | None) -> str:
 
 def as_dict(row: Row) -> dict[str, str | int | float | None]:
     """A row with its ratios, for JSON and CSV."""
-    return {
-        "method": row.method,
-        "precision": row.precision,
-        "recall": row.recall,
-        "hits": row.hits,
-        "false_hits": row.false_hits,
-        "missed": row.missed,
-        "tests": row.tests,
-        "microseconds": row.microseconds,
-    }
+    ratios = {"method": row.method, "precision": row.precision, "recall": row.recall}
+    return {**ratios, **asdict(row)}
 
 
 def to_json(results: Sequence[PairResult], rows: Sequence[Row], settings: dict[str, float]) -> str:

@@ -5,10 +5,16 @@ from __future__ import annotations
 import json
 import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from fgenv.cli.errors import FAILED_CHECK
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fgenv.paper.experiment import Experiment
 
 
 def run_published(
@@ -24,7 +30,6 @@ def run_published(
     from rich.console import Console
 
     from fgenv.paper.experiment import run_experiment
-    from fgenv.paper.figures import FIGURES, draw_figures
     from fgenv.paper.report import Report, as_data
     from fgenv.paper.scene import three_tanks
 
@@ -40,14 +45,21 @@ def run_published(
     with report.console.status("driving"):
         experiment = run_experiment(problem, seed=seed, step=step, report=report.progress)
     report.results(experiment)
-    written: list[str] = []
-    if pictures:
-        with report.console.status("drawing") as status:
-            for path in draw_figures(experiment, out):
-                written.append(str(path))
-                status.update(f"drawing, {len(written)} of {len(FIGURES)} done")
-        report.console.print(f"{len(written)} pictures in {out}/")
+    written = draw(report.console, experiment, out) if pictures else []
     if as_json:
         typer.echo(json.dumps(as_data(experiment, seed, written), indent=1))
     if not experiment.as_published:
         raise typer.Exit(FAILED_CHECK)
+
+
+def draw(console: Console, experiment: Experiment, folder: Path) -> list[str]:
+    """Draw the paper's figures into a folder; returns their paths."""
+    from fgenv.paper.figures import FIGURES, draw_figures
+
+    written: list[str] = []
+    with console.status("drawing") as status:
+        for path in draw_figures(experiment, folder):
+            written.append(str(path))
+            status.update(f"drawing, {len(written)} of {len(FIGURES)} done")
+    console.print(f"{len(written)} pictures in {folder}/")
+    return written

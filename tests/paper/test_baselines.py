@@ -1,4 +1,4 @@
-"""Each baseline against an independent oracle, and the law that a bound misses nothing."""
+"""Each baseline against an independent oracle; no bound misses a contact."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_aabb_is_the_box_of_the_posed_mesh(pair: tuple[Mesh, Mesh]) -> None:
     assert 20 < sum(found) < 180
 
 
-def test_obb_holds_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None:
+def test_obb_contains_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None:
     rng = np.random.default_rng(3)
     obb, found = Obb(*pair), []
     bounds = [Obb._bound(mesh) for mesh in pair]
@@ -120,7 +120,7 @@ def test_sphere_is_smallest_on_known_shapes() -> None:
     assert Sphere._bound(rod)[1] == pytest.approx(np.hypot(1.0, 0.1), rel=1e-6)
 
 
-def test_sphere_holds_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None:
+def test_sphere_contains_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> None:
     rng = np.random.default_rng(4)
     sphere, found = Sphere(*pair), []
     (center_a, radius_a), (center_b, radius_b) = (Sphere._bound(mesh) for mesh in pair)
@@ -134,7 +134,7 @@ def test_sphere_holds_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> N
 
 
 def separation(a: Floats, b: Floats) -> float:
-    """Largest gap that a plane with normal in [-1, 1]^3 leaves between point sets; 0 if none."""
+    """Largest gap between point sets along a normal in [-1, 1]^3; 0 if there is none."""
     rows = np.block(
         [
             [a, -np.ones((len(a), 1)), np.ones((len(a), 1))],
@@ -160,7 +160,7 @@ def test_hull_agrees_with_a_separating_plane(pair: tuple[Mesh, Mesh]) -> None:
     assert 20 < sum(found) < 130
 
 
-def test_voxels_are_the_cells_that_fcl_finds_on_the_surface(pair: tuple[Mesh, Mesh]) -> None:
+def test_voxels_are_the_cells_on_the_surface_by_fcl(pair: tuple[Mesh, Mesh]) -> None:
     mesh = pair[1]
     side, origin, ijk = voxels(mesh, 8)
     found = {tuple(cell) for cell in ijk.tolist()}
@@ -187,7 +187,7 @@ def test_grid_agrees_with_all_cells_against_all(pair: tuple[Mesh, Mesh]) -> None
     assert 20 < sum(found) < 130
 
 
-def test_no_baseline_misses_surfaces_that_meet(pair: tuple[Mesh, Mesh]) -> None:
+def test_no_baseline_misses_intersecting_surfaces(pair: tuple[Mesh, Mesh]) -> None:
     rng = np.random.default_rng(7)
     models = [surface(mesh) for mesh in pair]
     pose_a = tumble(rng, 1, 1.0)[0]
@@ -204,7 +204,7 @@ def test_no_baseline_misses_surfaces_that_meet(pair: tuple[Mesh, Mesh]) -> None:
         assert method.tests >= 1
 
 
-def test_bounds_hold_a_body_inside_another_and_surface_cells_do_not() -> None:
+def test_bounds_report_a_body_inside_another_and_surface_cells_do_not() -> None:
     shell = body(trimesh.creation.icosphere(3, 1.0))
     core = body(trimesh.creation.icosphere(2, 0.3))
     verdicts = {
@@ -213,7 +213,7 @@ def test_bounds_hold_a_body_inside_another_and_surface_cells_do_not() -> None:
     assert verdicts == {"AABB": True, "OBB": True, "sphere": True, "hull": True, "grid": False}
 
 
-def test_finer_cells_report_less(pair: tuple[Mesh, Mesh]) -> None:
+def test_finer_cells_have_fewer_hits(pair: tuple[Mesh, Mesh]) -> None:
     rng = np.random.default_rng(8)
     poses = tumble(rng, 120, 0.05)
     grids = [Grid(*pair, cells=n) for n in (4, 12, 36)]

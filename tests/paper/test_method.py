@@ -1,4 +1,4 @@
-"""The published algorithm: analytic cases, its laws, the walk against all pairs at once, and the
+"""The published algorithm: analytic cases, its laws, its traversal against all pairs, and the
 native method ``loop`` against it."""
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def test_an_l_shape_has_ridges_and_one_valley() -> None:
     assert len(method.feature_points(vertices, faces)) == 12
 
 
-def test_each_threshold_governs_its_own_kind() -> None:
+def test_each_threshold_applies_to_its_own_kind() -> None:
     solid = arrays(l_shape())
     no_valley = method.feature_edges(*solid, alpha_valley=0.0)
     no_ridge = method.feature_edges(*solid, alpha_ridge=2 * pi)
@@ -107,7 +107,7 @@ def test_a_tie_with_the_threshold_is_no_feature(sides: int) -> None:
     assert len(method.feature_edges(*prism, **below)) == len(upright) + sides
 
 
-def test_order_found_is_face_by_face_edge_by_edge() -> None:
+def test_feature_points_are_in_the_order_of_faces_and_edges() -> None:
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     faces = np.array([[3, 1, 2], [0, 2, 1], [0, 1, 3], [0, 3, 2]])
     assert list(method.interior_edges(faces)) == [
@@ -167,7 +167,7 @@ def test_the_cycle_is_simple(n: int) -> None:
 
 
 @given(st.integers(2, 14).flatmap(lambda n: hnp.arrays(bool, (n, n))))
-def test_packing_and_the_walk_keep_every_edge_of_any_graph(matrix: NDArray[np.bool_]) -> None:
+def test_packing_and_traversal_keep_every_edge_of_any_graph(matrix: NDArray[np.bool_]) -> None:
     n = len(matrix)
     dense = np.triu(matrix, 1) | np.triu(matrix, 1).T
     edges = np.argwhere(np.triu(dense))
@@ -181,7 +181,7 @@ def test_packing_and_the_walk_keep_every_edge_of_any_graph(matrix: NDArray[np.bo
     assert (packed == before).all()
 
 
-def test_the_walk_goes_deep_before_it_turns_back() -> None:
+def test_traversal_is_depth_first() -> None:
     edges = np.array([[0, 1], [0, 4], [1, 2], [2, 3]])
     walk = method.depth_first(method.pack(edges, 5), 5)
     assert list(walk) == [(0, 1), (1, 2), (2, 3), (0, 4)]
@@ -190,7 +190,7 @@ def test_the_walk_goes_deep_before_it_turns_back() -> None:
 # 2.3 Motion range, 2.4 masks
 
 
-def test_the_motion_box_is_that_of_the_whole_polyline() -> None:
+def test_the_motion_box_contains_the_whole_polyline() -> None:
     path = np.array([[0.0, 0, 0], [3, -1, 0], [2, 5, 1]])
     assert method.motion_box(path).tolist() == [[0, -1, 0], [3, 5, 1]]
     assert method.in_box(np.array([3.0, 5, 1]), method.motion_box(path))
@@ -215,7 +215,7 @@ def test_masks_as_in_figure_5() -> None:
 
 
 @given(hnp.arrays(float, (6, 3), elements=st.floats(-2, 2)), st.integers(0, 5))
-def test_masks_are_set_for_those_in_the_box_and_no_one_else(places: Floats, who: int) -> None:
+def test_masks_are_set_for_bodies_in_the_box_only(places: Floats, who: int) -> None:
     nodes = [Node(i, "", np.empty((0, 3)), np.empty((0, 3), np.int64)) for i in range(6)]
     for n, at in zip(nodes, places, strict=True):
         n.pose[:3, 3] = at
@@ -238,7 +238,7 @@ SEGMENTS = [
     ((1, 1, 2), (1, 1, 0.5), False),  # stops above
     ((2, 2, -1), (2, 2, 1), True),  # through the edge
     ((0, 0, -1), (0, 0, 1), True),  # through a corner
-    ((3, 3, -1), (3, 3, 1), False),  # plane met beside the face
+    ((3, 3, -1), (3, 3, 1), False),  # intersects the plane beside the face
     ((-1, 1, 0), (5, 1, 0), False),  # within the plane: parallel
     ((-1, 1, 1), (5, 1, 1), False),  # parallel above
     ((2, 1, 1), (0, 1, -1), True),  # oblique
@@ -271,7 +271,7 @@ def all_pairs(mover: Node, target: Node) -> bool:
     return bool((across & ((turns >= 0).all(axis=0) | (turns <= 0).all(axis=0))).any())
 
 
-def test_the_walk_equals_all_edges_against_all_faces() -> None:
+def test_traversal_equals_all_edges_against_all_faces() -> None:
     rng = np.random.default_rng(11)
     mover = node(l_shape())
     target = node(trimesh.creation.annulus(0.6, 1.2, 0.8, sections=16))
@@ -293,11 +293,11 @@ def test_two_cubes() -> None:
     assert not method.collides(a, b)
 
 
-def test_the_published_form_misses_what_the_method_page_says() -> None:
+def test_the_published_form_is_unsound_as_documented() -> None:
     core, shell = node(trimesh.creation.box((0.2, 0.2, 0.2))), node(trimesh.creation.box())
     assert not method.collides(core, shell)  # containment
     ball = node(trimesh.creation.icosphere(3), (0.7, 0, 0))
-    assert not method.collides(ball, shell)  # no features, so never a hit
+    assert not method.collides(ball, shell)  # no features, no hits
     chord = node(l_shape())
     post = node(trimesh.creation.box((0.1, 0.1, 4)), (1.5, 1.25, 0.5))
     assert method.collides(chord, post)  # false: the chord (2, 1, 1), (0, 2, 0) leaves the L
@@ -316,7 +316,7 @@ def test_positions_keep_the_corners_and_the_step() -> None:
     assert (places[-1] == path[-1]).all()
 
 
-def test_a_move_stops_at_the_tank_in_its_way_and_clears_the_masks() -> None:
+def test_a_motion_stops_at_a_tank_and_clears_the_masks() -> None:
     tank = trimesh.creation.cylinder(0.4, 1.0, sections=24)
     robot = node(trimesh.creation.box((0.4, 0.4, 0.4)), (0, 0, 0), 0)
     tanks = [node(tank, at, k) for k, at in enumerate([(0, 3, 0), (2, 0, 0), (3, 0.5, 0)], 1)]
@@ -330,7 +330,7 @@ def test_a_move_stops_at_the_tank_in_its_way_and_clears_the_masks() -> None:
     assert not any(n.collision_mask for n in scene)
 
 
-def test_a_free_move_reaches_the_goal() -> None:
+def test_a_free_motion_reaches_the_goal() -> None:
     robot = node(trimesh.creation.box((0.4, 0.4, 0.4)), (0, 0, 0), 0)
     aside = node(trimesh.creation.box(), (0.5, 2.5, 0), 1)
     path = np.array([[0.0, 0, 0], [0, 1, 0], [3, 1, 0]])
@@ -354,7 +354,7 @@ def loops(a: Mesh, b: Mesh) -> tuple[Shape, Shape]:
 
 
 def check_agreement(a: Mesh, b: Mesh, count: int, seed: int) -> int:
-    """Native against published on poses near contact and on far-off ones; returns the hits."""
+    """Compare native and published results on poses near contact and far away; return the hits."""
     rng = np.random.default_rng(seed)
     pose_a = np.eye(4)
     pose_a[:3, :3], pose_a[:3, 3] = random_rotations(rng, 1)[0], rng.normal(size=3)
@@ -375,7 +375,7 @@ def check_agreement(a: Mesh, b: Mesh, count: int, seed: int) -> int:
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: pair.name)
-def test_native_points_and_packed_matrix_are_the_published_ones(pair: Pair) -> None:
+def test_native_points_and_packed_matrix_equal_the_published_ones(pair: Pair) -> None:
     for shape in loops(pair.a.load(), pair.b.load()):
         slow = record(shape)
         assert (shape.graph.points == slow.feature_points).all()
@@ -393,7 +393,7 @@ def test_native_loop_agrees_on_real_meshes(pair: Pair) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:mesh")  # repaired; not watertight
-def test_native_loop_agrees_on_a_mesh_with_borders_and_edges_of_many_faces() -> None:
+def test_native_loop_agrees_on_a_mesh_with_borders_and_non_manifold_edges() -> None:
     a = load("example-robot-data", "tiago_description/meshes/arm/arm_5-wrist-2010.stl")
     b = PAIRS[4].b.load()
     shapes = loops(a, b)
@@ -411,7 +411,7 @@ def test_native_loop_agrees_on_many_poses(pair: Pair) -> None:
 
 
 def bent_sheet(p1: Floats, p2: Floats) -> Shape:
-    """Two faces bent along P1 P2: its only feature edge, so the graph is that segment."""
+    """Two faces with the feature edge P1 P2: the graph is this segment."""
     off = np.cross(p2 - p1, [3.0, 5.0, 7.0])
     corners = np.array([p1, p2, p1 + off, p1 + np.cross(p2 - p1, off)])
     sheet = Shape(corners, [[0, 1, 2], [1, 0, 3]], "loop")
@@ -421,7 +421,7 @@ def bent_sheet(p1: Floats, p2: Floats) -> Shape:
 
 @pytest.mark.filterwarnings("ignore:mesh")  # not watertight
 def test_native_segment_test_agrees_on_whole_numbers() -> None:
-    """Ends on the face, on its boundary, within its plane: exact in both."""
+    """Ends on the face, on its boundary, in its plane: both are exact."""
     rng = np.random.default_rng(5)
     target = Shape(TRIANGLE[0], [[0, 1, 2]])
     cases = [(p1, p2) for p1, p2, _ in SEGMENTS if p1 != p2]
@@ -439,7 +439,7 @@ def test_native_segment_test_agrees_on_whole_numbers() -> None:
 
 
 @pytest.mark.parametrize("sides", [6, 10, 12, 15, 24, 36])
-def test_native_thresholds_take_a_tie_as_published(sides: int) -> None:
+def test_native_thresholds_treat_a_tie_as_published(sides: int) -> None:
     prism = trimesh.creation.cylinder(1.0, 1.0, sections=sides)
     turn = 2 * pi / sides
     shape = Shape(prism.vertices, prism.faces, "loop", angle=turn)
@@ -451,7 +451,7 @@ def test_native_thresholds_take_a_tie_as_published(sides: int) -> None:
     assert len(rims.edges) == 2 * sides
 
 
-def test_native_loop_takes_the_published_pair_of_thresholds() -> None:
+def test_native_loop_has_the_published_thresholds() -> None:
     solid = l_shape()
     only_ridges = Shape(solid.vertices, solid.faces, "loop", angle=(0.0, ALPHA_RIDGE))
     only_valley = Shape(solid.vertices, solid.faces, "loop", angle=(ALPHA_VALLEY, 2 * pi))

@@ -88,7 +88,7 @@ def test_first_contact_agrees_with_fcl(experiment: Experiment) -> None:
     assert hit.time == pytest.approx(np.linalg.norm(touching[:2] - path[0, :2]) / 0.5, abs=1e-5)
 
 
-def test_contact_is_shown_by_a_feature_edge_on_a_face(experiment: Experiment) -> None:
+def test_contact_has_a_feature_edge_and_the_face_that_it_crosses(experiment: Experiment) -> None:
     hit, problem = experiment.drives[0].hit, experiment.problem
     assert hit is not None
     found = hit.contact
@@ -144,7 +144,7 @@ def test_results_are_reported_in_order(
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_any_seed_comes_out_as_published(seed: int) -> None:
+def test_every_seed_reproduces_the_published_results(seed: int) -> None:
     experiment = run_experiment(three_tanks(), seed=seed)
     assert experiment.as_published, experiment.checks
 
@@ -196,7 +196,7 @@ def test_mask_never_hides_a_collision(seed: int) -> None:
 
 
 def test_a_large_body_beside_the_path_reaches_into_the_box() -> None:
-    """The published form looks at positions alone and misses it."""
+    """The published masks, which compare positions only, miss this body."""
     problem = three_tanks()
     pose = np.eye(4)
     pose[:2, 3] = 4.0, 6.2
@@ -260,7 +260,7 @@ def test_report_has_all_results() -> None:
     assert "tank 1 0, tank 2 1, tank 3 1" in out
 
 
-def test_pictures_exist_and_show_something(experiment: Experiment, tmp_path: Path) -> None:
+def test_pictures_exist_and_are_not_empty(experiment: Experiment, tmp_path: Path) -> None:
     written = list(draw_figures(experiment, tmp_path / "new" / "folder"))
     assert [path.name.split("_")[1] for path in written] == ["3", "4", "5", "7", "8"]
     for path in written:
@@ -273,7 +273,7 @@ def test_pictures_exist_and_show_something(experiment: Experiment, tmp_path: Pat
 
 
 def cart(folder: Path, scale: float = 1.0) -> Path:
-    """A user's robot: a hat on a box, open below, its lowest point not at 0."""
+    """A user's robot: a cone on a box that is open below, with its lowest point not at 0."""
     mesh = trimesh.creation.box((0.8, 0.5, 0.4))
     mesh.update_faces(mesh.face_normals[:, 2] > -0.5)
     hat = trimesh.creation.cone(radius=0.2, height=0.6)
@@ -301,14 +301,14 @@ def test_own_mesh_is_scaled_only_if_asked(tmp_path: Path) -> None:
     assert code == 0
 
 
-def test_own_mesh_that_collides_at_once_is_an_error(tmp_path: Path) -> None:
+def test_own_mesh_that_collides_at_its_goal_is_an_error(tmp_path: Path) -> None:
     trimesh.creation.box((5.5, 5.5, 0.4)).export(tmp_path / "raft.obj")
     with pytest.raises(ValueError, match=r"raft\.obj.*goal of 'robot': collides with tank 3"):
         three_tanks(tmp_path / "raft.obj")
 
 
 def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:
-    """A robot so wide that its motion box reaches tank 1."""
+    """The motion box of a wide robot reaches tank 1."""
     trimesh.creation.box((0.2, 4.6, 0.1)).export(tmp_path / "wing.ply")
     code, out = fgenv("--mesh", str(tmp_path / "wing.ply"), "--json", "--no-pictures")
     data = json.loads(out)
@@ -318,8 +318,8 @@ def test_exit_code_1_if_not_as_published(tmp_path: Path) -> None:
     assert data["drives"][0]["masks"]["after"] == NONE
 
 
-def test_no_step_is_too_long_to_see_a_collision(tmp_path: Path) -> None:
-    """A robot like a marble, in steps much longer than the foot of the tank that it hits."""
+def test_collisions_are_found_whatever_the_step(tmp_path: Path) -> None:
+    """A small sphere, in steps much longer than the foot of the tank that it hits."""
     trimesh.creation.icosphere(radius=0.01).export(tmp_path / "marble.ply")
     mesh, times = str(tmp_path / "marble.ply"), []
     for step in ("0.7", "0.01"):
@@ -332,7 +332,7 @@ def test_no_step_is_too_long_to_see_a_collision(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("option", [("--step", "0"), ("--scale", "-1"), ("--mesh", "no such file")])
-def test_wrong_use_is_one_clear_error(option: tuple[str, str]) -> None:
+def test_invalid_options_are_errors(option: tuple[str, str]) -> None:
     with pytest.raises((ValueError, FileNotFoundError), match=option[0].strip("-") + "|no such"):
         fgenv(*option, "--no-pictures")
 
