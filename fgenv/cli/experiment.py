@@ -30,14 +30,14 @@ def run_published(
     from rich.console import Console
 
     from fgenv.paper.experiment import run_experiment
-    from fgenv.paper.report import Report, as_data
+    from fgenv.paper.report import ConsoleReport, as_data
     from fgenv.paper.scene import three_tanks
 
     if not 0 < step <= 1:
         raise ValueError(f"--step: got {step}, expected meters, above 0 and not above 1")
     if not 0 < scale < float("inf"):
         raise ValueError(f"--scale: got {scale}, expected a factor above 0")
-    report = Report(Console(stderr=as_json, highlight=False))
+    report = ConsoleReport(Console(stderr=as_json, highlight=False))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         problem = three_tanks(mesh, scale=scale)

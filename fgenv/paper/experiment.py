@@ -4,7 +4,6 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
 
@@ -28,9 +27,6 @@ class Replan:
     path: Floats
     back_off: float
     plan: PlanarPlan
-
-
-Report: TypeAlias = Callable[[Drive | Replan], None]
 
 
 @dataclass(frozen=True)
@@ -109,7 +105,7 @@ def run_experiment(
     margin: float = 0.05,
     seed: int = 0,
     time_limit: float = 20.0,
-    report: Report = lambda result: None,
+    report: Callable[[Drive | Replan], None] = lambda result: None,
 ) -> Experiment:
     """Drive the straight path; after a contact, plan a path to the goal and drive it.
 

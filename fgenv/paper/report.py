@@ -106,7 +106,7 @@ def _owners(hit: FirstContact) -> tuple[str, str]:
     return (hit.robot, hit.body) if hit.contact.edge_of == "a" else (hit.body, hit.robot)
 
 
-class Report:
+class ConsoleReport:
     """Prints a heading, each drive and plan, and the results."""
 
     def __init__(self, console: Console) -> None:

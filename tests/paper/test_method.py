@@ -215,15 +215,15 @@ def test_masks_as_in_figure_5() -> None:
 
 
 @given(hnp.arrays(float, (6, 3), elements=st.floats(-2, 2)), st.integers(0, 5))
-def test_masks_are_set_for_bodies_in_the_box_only(places: Floats, who: int) -> None:
+def test_masks_are_set_for_bodies_in_the_box_only(places: Floats, moving: int) -> None:
     nodes = [Node(i, "", np.empty((0, 3)), np.empty((0, 3), np.int64)) for i in range(6)]
     for n, at in zip(nodes, places, strict=True):
         n.pose[:3, 3] = at
         n.collision_mask = 1
-    mover, path = nodes[who], np.array([[-1.0, -1, -1], [1, 1, 1], [0, 0, 0]])
+    mover, path = nodes[moving], np.array([[-1.0, -1, -1], [1, 1, 1], [0, 0, 0]])
     method.set_masks(nodes, mover, path)
     inside = {n.id for n in nodes if (np.abs(n.position) <= 1).all()}
-    assert {n.id for n in nodes if n.collision_mask} == inside | {who}
+    assert {n.id for n in nodes if n.collision_mask} == inside | {moving}
     method.clear_masks(nodes)
     assert not any(n.collision_mask for n in nodes)
 
