@@ -1,11 +1,11 @@
-"""Two meshes: do they collide, how far apart are they, and what shows it?"""
+"""Two meshes: collision, distance, and the point of contact."""
 
 import numpy as np
 import trimesh
 
 from fgenv.collision import Shape, collide, contact_point, nearest_points
 
-# Any arrays of vertices (meters) and triangles do; Shape.load("link.stl", scale=0.001) reads files.
+# Shapes are arrays of vertices (meters) and triangles; Shape.load("link.stl") reads files.
 ring = trimesh.creation.torus(major_radius=0.3, minor_radius=0.05)
 peg = trimesh.creation.cylinder(radius=0.2, height=0.4)
 a = Shape(ring.vertices, ring.faces, name="ring")

@@ -13,7 +13,7 @@ robot, obstacle = Shape(ring.vertices, ring.faces), Shape(post.vertices, post.fa
 
 
 def valid(state: ob.SE3State) -> bool:
-    """OMPL wants a real bool, which `collide` returns for two single poses."""
+    """OMPL needs a real bool, which `collide` returns for two single poses."""
     q = state.rotation()
     pose = trimesh.transformations.quaternion_matrix([q.w, q.x, q.y, q.z])
     pose[:3, 3] = state.getX(), state.getY(), state.getZ()

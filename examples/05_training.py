@@ -1,4 +1,4 @@
-"""A training loop of ten lines: each world tries a policy of its own, the best make the next."""
+"""A training loop of ten lines (cross-entropy method): each world evaluates its own policy."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ mean, spread = np.zeros((2, 11)), np.ones((2, 11))
 
 for generation in range(20):
     policies = mean + spread * rng.standard_normal((64, 2, 11))
-    rows, _ = worlds.reset(seed=[generation] * 64)  # all begin alike
+    rows, _ = worlds.reset(seed=[generation] * 64)  # the same start in all worlds
     gained = np.zeros(64)
     for _step in range(60):  # six seconds
         actions = np.tanh(np.einsum("wao,wo->wa", policies, rows)).astype(np.float32)

@@ -9,7 +9,7 @@ from fgenv.envs import Simulator, policy_of
 from fgenv.metrics import Results
 from fgenv.scenarios import Scenario, validate
 
-# Any mesh will do; this one is in millimeters, as CAD writes it.
+# Any mesh works; this one is in millimeters, as in CAD files.
 hull = trimesh.creation.capsule(height=600.0, radius=150.0)
 hull.apply_transform(trimesh.transformations.rotation_matrix(1.5708, [0, 1, 0]))
 hull.apply_translation([0.0, 0.0, 160.0])

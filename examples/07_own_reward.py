@@ -7,7 +7,7 @@ from fgenv.envs import Observation, Reward, Simulator
 
 
 def crowding(simulator: Simulator) -> NDArray[np.float64]:
-    """How many others are within a meter, (worlds, robots)."""
+    """Return the number of robots within a meter, (worlds, robots)."""
     place = simulator.configurations[..., :2]
     apart = np.linalg.norm(place[:, :, None] - place[:, None, :], axis=-1)
     return np.asarray((apart < 1.0).sum(axis=-1) - 1.0)
@@ -25,4 +25,4 @@ for _ in range(50):
 print(f"{total.mean():.2f} a robot; {simulator.collision_counts.mean():.1f} collisions each")
 crowded = crowding(simulator)
 print(f"in the end a robot has {crowded.mean():.1f} others within a meter")
-assert np.ptp(total, axis=0).max() == 0.0  # all worlds are the same: nothing here is random
+assert np.ptp(total, axis=0).max() == 0.0  # all worlds are equal: nothing is random

@@ -49,4 +49,4 @@ way = np.array([(s.getX(), s.getY(), s.getYaw()) for s in states])
 print(f"{len(way)} waypoints, {path.length():.2f} m through the door:")
 print(way.round(2))
 for a, b in pairwise(way):
-    assert world.check_motion("sofa", a, b)  # the same proof, asked of the world
+    assert world.check_motion("sofa", a, b)  # the same certified check

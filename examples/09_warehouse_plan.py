@@ -1,4 +1,4 @@
-"""Carts of a warehouse planned together, driven by the simulator, recorded and run again."""
+"""Carts of a warehouse: planned together, simulated, recorded and replayed."""
 
 import fgenv
 from fgenv.agents import PlanPolicy, run_episode
@@ -11,10 +11,10 @@ plan = fgenv.plan(scenario, method="prioritized", seed=1, margin=1e-3)
 proof = plan.certificate
 assert proof.proved
 print(f"planned: makespan {plan.makespan:.1f} s, sum of costs {plan.sum_of_costs:.1f} s,")
-print(f"proved free for {proof.steps} steps, nobody comes nearer than {proof.clearance:.4f} m")
+print(f"proved free for {proof.steps} steps, no robot comes nearer than {proof.clearance:.4f} m")
 
 simulator = Simulator(scenario, clearance=True, autoreset=False)
-policy = PlanPolicy(plan=plan)  # or policy_of("plan:prioritized"), which plans each episode itself
+policy = PlanPolicy(plan=plan)  # or policy_of("plan:prioritized"), which plans each episode
 record = run_episode(simulator, policy, seed=1)
 results = Results.of(record)
 assert results.success_rate == 1.0

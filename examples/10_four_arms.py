@@ -1,4 +1,4 @@
-"""Four arms at one table planned together; the plan is proved for all moments of all steps."""
+"""Four arms at one table planned together; the plan is certified in continuous time."""
 
 import numpy as np
 
@@ -15,6 +15,6 @@ print(f"{len(plan.configurations)} arms, {plan.steps} steps of {plan.dt} s, foun
 print(f"{plan.facts['seconds']:.2f} s: clearance at least {1000 * proof.clearance:.2f} mm")
 print(f"(nearest: {arm} to {other}, after {step * plan.dt:.1f} s)")
 
-# Plans are plain arrays: where joints are at any time, in radians.
+# Plans are plain arrays: joint angles at any time, in radians.
 for robot, q in zip(scenario.robots, plan.at(0.5 * plan.makespan), strict=True):
     print(f"{robot.name} half way: {np.round(q, 2)}")

@@ -1,4 +1,4 @@
-"""A plan proved again from its file alone; one that was tampered with is refused."""
+"""A plan is certified again from its file alone; modified files are refused."""
 
 import numpy as np
 
@@ -9,13 +9,13 @@ from fgenv.planners.plan import PLAN
 fgenv.plan("doorway", n=2, seed=0, method="composite").save("plan.npz")
 proof = fgenv.verify("plan.npz")
 assert proof
-print(f"plan.npz: proved, {proof.steps} steps, nobody nearer than {proof.clearance:.4f} m")
+print(f"plan.npz: proved, {proof.steps} steps, no robot nearer than {proof.clearance:.4f} m")
 
 wide = fgenv.verify("plan.npz", margin=10.0)
 assert not wide
 print(f"with 10 m to spare it is not: step {wide.failed_step}")
 
-# A robot that leaps a meter to the side: the file's hash tells that it was changed.
+# A jump of one meter to the side: the hash of the file does not match.
 with np.load("plan.npz") as file:
     arrays = dict(file)
 arrays["configurations_0"][20, 0] += 1.0
@@ -26,7 +26,7 @@ try:
 except PlanError as error:
     print(error)
 
-# Who hashes it anew gets no further: no robot is that fast, or it is not proved.
+# With a new hash the file is still refused: the speed limit or the certificate fails.
 texts = {name: str(arrays[name]) for name in ("scenario", "about")}
 rows = {
     f"{name}_{i}": arrays[f"{name}_{i}"] for name in ("configurations", "waypoints") for i in (0, 1)

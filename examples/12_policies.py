@@ -1,4 +1,4 @@
-"""A policy of your own against ORCA, then one that is trained for seconds and run from its file."""
+"""Your own policy against ORCA; then one that is trained for seconds and run from its file."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from fgenv.scenarios import frozen
 
 
 class KeepRight:
-    """Straight to the goal, but turning right of it the farther away it is."""
+    """Drives to the goal, turned to the right by an angle that grows with the distance."""
 
     def reset(self, view: View) -> None:
         self.view = view

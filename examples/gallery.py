@@ -1,4 +1,4 @@
-"""Runs every example and draws a picture of what it did: python examples/gallery.py FOLDER"""
+"""Run every example and draw a picture of its result: python examples/gallery.py FOLDER"""
 
 import os
 import runpy
@@ -31,40 +31,40 @@ from fgenv.view.figures.scenario_painter import ScenarioPainter
 from fgenv.view.figures.scene import outlined_picture, sharp_edges, transform
 
 SIZE = 480, 360
-Names = dict[str, Any]  # what an example leaves behind
+Names = dict[str, Any]  # global names after an example
 
 
 def ghosts(shape: Shape, poses: Sequence[Floats] | Floats, opacity: float = 0.3) -> list[Solid]:
-    """A body, pale, wherever it was."""
+    """Return translucent copies of a shape at several poses."""
     return [Solid(shape, pose, ORANGE, opacity) for pose in poses]
 
 
-def seen(shapes: Sequence[tuple[Shape, Floats]], azimuth: float, elevation: float) -> Camera:
-    """A camera that sees all of these bodies."""
+def overview_of(shapes: Sequence[tuple[Shape, Floats]], azimuth: float, elevation: float) -> Camera:
+    """Return an overview of bodies."""
     corners = [transform(box_corners(*shape.bounds), pose) for shape, pose in shapes]
     return overview(np.concatenate(corners), *SIZE, azimuth, elevation)
 
 
-def outlined(picture: Picture, shape: Shape, pose: Floats) -> None:
-    """Its sharp edges."""
+def draw_edges(picture: Picture, shape: Shape, pose: Floats) -> None:
+    """Draw the sharp edges of a body."""
     picture.segments(transform(sharp_edges(shape), pose), INK, width=0.7, opacity=0.6)
 
 
 def two_meshes(names: Names) -> Image.Image:
-    """The peg where it first meets the ring, and the feature edge that shows it."""
+    """The first contact of the peg with the ring, and its feature edge."""
     ring, peg, pose, touch = names["a"], names["b"], names["slide"][-1], names["touch"]
     at = names["slide"][names["hits"].argmax()]
-    camera = seen([(ring, np.eye(4)), (peg, pose)], -0.5, 0.75)
+    camera = overview_of([(ring, np.eye(4)), (peg, pose)], -0.5, 0.75)
     bodies = [Solid(ring, np.eye(4), STEEL), Solid(peg, at, ORANGE)]
     picture = Picture(camera, bodies, floor=Floor(height=-0.2, grid=0.25))
-    outlined(picture, peg, at)
+    draw_edges(picture, peg, at)
     picture.segments([touch.edge], BLUE, width=4, hidden=1.0)
     picture.points([touch.point], VERMILION, radius=5, hidden=1.0)
     return picture.image()
 
 
 def three_tanks(names: Names) -> Image.Image:
-    """The robot at its goal, by the way planned anew: the right half of figure 7."""
+    """The robot at its goal after replanning: the right half of figure 7."""
     figure = figures.start_and_goal(names["experiment"])
     width, height = figures.PANEL
     half = figure.crop((figure.width - width, 0, figure.width, height))
@@ -72,12 +72,12 @@ def three_tanks(names: Names) -> Image.Image:
 
 
 def own_planner(names: Names) -> Image.Image:
-    """The ring on its way off the post."""
+    """The path of the ring off the post."""
     ring, post, way = names["robot"], names["obstacle"], np.array(names["way"])
     poses = np.array([quaternion_matrix(q) for q in way[:, 3:]])
     poses[:, :3, 3] = way[:, :3]
     ends = [Solid(post, np.eye(4), STEEL), Solid(ring, poses[-1], ORANGE)]
-    camera = seen([(post, np.eye(4)), *((ring, pose) for pose in poses)], -1.2, 0.5)
+    camera = overview_of([(post, np.eye(4)), *((ring, pose) for pose in poses)], -1.2, 0.5)
     low = min(transform(ring.vertices, pose)[:, 2].min() for pose in poses)
     floor = Floor(height=min(-0.5, low), grid=0.5)
     picture = Picture(camera, [*ends, *ghosts(ring, poses[:-1], 0.35)], floor=floor)
@@ -86,20 +86,20 @@ def own_planner(names: Names) -> Image.Image:
 
 
 def world(names: Names) -> Image.Image:
-    """Around the first robot: crates that bore its bit, its lane, the door that opens."""
+    """The first robot, the crates in its mask, its lane, and the door."""
     every: list[Body] = [names["world"].record(body) for body in names["world"].ids.tolist()]
     bodies = [body for body in every if body.pose[0, 3] < 11 and body.pose[1, 3] < 19]
     marks = {int(body): BLUE for body in names["near"]}
     marks |= {names["first"]: ORANGE, names["door"]: VERMILION}
     colors = {body.name: marks.get(body.id, STEEL) for body in bodies}
-    camera = seen([(body.shape, body.pose) for body in bodies], -1.9, 0.8)
+    camera = overview_of([(body.shape, body.pose) for body in bodies], -1.9, 0.8)
     picture = outlined_picture(bodies, camera, colors)
     picture.polyline([pose[:3, 3] for pose in names["lane"]], ORANGE, width=3, hidden=0.5)
     return picture.image()
 
 
 def training(names: Names) -> Image.Image:
-    """What was gained, generation by generation."""
+    """The reward by generation."""
     figure = Figure(figsize=(4.8, 3.6), dpi=100, layout="constrained")
     axes = figure.subplots()
     axes.plot(names["history"], color=BLUE, marker="o", ms=4)
@@ -111,19 +111,19 @@ def training(names: Names) -> Image.Image:
 
 
 def own_scenario(names: Names) -> Image.Image:
-    """Vessels half way past the quay, with trails."""
-    return moment(names["record"], 0.5)
+    """Vessels halfway past the quay, with trails."""
+    return frame_at(names["record"], 0.5)
 
 
 def own_reward(names: Names) -> Image.Image:
-    """The crowd in the middle that the reward is against."""
+    """The crowd in the middle that the reward penalizes."""
     simulator = names["simulator"]
     painter = ScenarioPainter(simulator.built, width=SIZE[0], height=SIZE[1])
     return Image.fromarray(painter.paint(simulator.configurations[0], simulator.goals[0]))
 
 
 def own_ompl_script(names: Names) -> Image.Image:
-    """The sofa on its way through the door."""
+    """The path of the sofa through the door."""
     way, bodies = names["way"], names["world"]
     sofa, *walls = (bodies.record(body) for body in bodies.ids.tolist())
     robot = names["Robot"].from_mesh(sofa.shape, base="planar")
@@ -139,29 +139,29 @@ def own_ompl_script(names: Names) -> Image.Image:
 
 
 def warehouse_plan(names: Names) -> Image.Image:
-    """The carts under way, with trails."""
-    return moment(names["record"], 0.3, azimuth=-np.pi / 2, elevation=1.0)
+    """The carts on their way, with trails."""
+    return frame_at(names["record"], 0.3, azimuth=-np.pi / 2, elevation=1.0)
 
 
 def four_arms(names: Names) -> Image.Image:
-    """The arms half way."""
-    return moment(record_of_plan(names["plan"]), 0.5)
+    """The arms in the middle of their plan."""
+    return frame_at(record_of_plan(names["plan"]), 0.5)
 
 
 def verify_plan(names: Names) -> Image.Image:
-    """How near anything comes to each robot of the plan that was proved."""
+    """The clearance of each robot of the certified plan."""
     plot_record(load_episode("plan.npz"), "clearance", "clearance.png")
     return Image.open("clearance.png").resize((600, 350), Image.Resampling.LANCZOS)
 
 
 def policies(names: Names) -> Image.Image:
-    """Robots that keep right of each other, on their way round."""
+    """Robots that pass each other on the right."""
     simulator = names["Simulator"](names["cases"][0], autoreset=False)
-    return moment(run_episode(simulator, names["KeepRight"]()), 0.6)
+    return frame_at(run_episode(simulator, names["KeepRight"]()), 0.6)
 
 
-def moment(record: Record, share: float, **look: Any) -> Image.Image:
-    """A record when that share of its steps is made."""
+def frame_at(record: Record, share: float, **look: Any) -> Image.Image:
+    """Return the frame of a record after a share of its steps."""
     step = round(share * len(record))
     (frame,) = frames_of(record, [step], *SIZE, notes=["trails"], **look)
     return Image.fromarray(frame)
@@ -184,7 +184,7 @@ PICTURES: dict[str, Callable[[Names], Image.Image]] = {
 
 
 def main(folder: Path, only: str = "") -> None:
-    """Each example runs in a folder of its own; its picture goes to `folder`."""
+    """Run each example in its own temporary folder, and write its picture to `folder`."""
     folder = folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     here = Path(__file__).resolve().parent

@@ -1,7 +1,7 @@
-"""PPO of Ray RLlib: one policy for all robots, which several workers gather for.
+"""PPO of Ray RLlib: one policy for all robots, with samples from several workers.
 
-Needs an environment of its own, see requirements.txt. With `ray.init(address="auto")`
-at first the workers are those of a cluster.
+Needs a separate Python environment, see requirements.txt. With `ray.init(address="auto")`
+at the beginning the workers are those of a cluster.
 """
 
 from typing import Any
@@ -19,7 +19,7 @@ PAID = {"progress": 1.0, "arrival": 5.0, "collision": -0.1}
 
 
 class Fleet(MultiAgentEnv):  # type: ignore[misc]
-    """A world of `swap`: who has arrived leaves, and it ends when nobody is left."""
+    """A world of `swap`: robots leave when they arrive, and the episode ends with the last one."""
 
     def __init__(self, config: dict[str, Any]) -> None:
         super().__init__()
@@ -34,7 +34,7 @@ class Fleet(MultiAgentEnv):  # type: ignore[misc]
 
     def step(self, action_dict: dict[str, Any]) -> Any:
         rows, rewards, ended, late, infos = self.env.step(action_dict)
-        over = {"__all__": not self.env.agents}  # some may arrive as time is up for the others
+        over = {"__all__": not self.env.agents}  # robots can arrive in the step of the time limit
         return rows, rewards, ended | over, late | over, infos
 
 

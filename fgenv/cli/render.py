@@ -30,7 +30,7 @@ RobotName = Annotated[
     str | None,
     typer.Option(
         "--robot",
-        help="Robot that the camera follows, and whose mask alone is drawn.",
+        help="Robot that the camera follows; only its mask is drawn.",
         show_default="the first; all masks",
     ),
 ]

@@ -47,7 +47,7 @@ def test_masks_count_candidates(record: Record) -> None:
 def test_records_without_the_data_are_errors(record: Record, tmp_path: Path) -> None:
     simulator = Simulator("cell", n=2, autoreset=False)
     arms = run_episode(simulator, policy_of("rest"), steps=2)
-    with pytest.raises(ValueError, match="expected robots whose bases move"):
+    with pytest.raises(ValueError, match="expected robots with mobile bases"):
         plot_record(arms, "space-time", tmp_path / "a.png")
     plot_record(arms, "clearance", tmp_path / "a.png")
     arrays = {name: array[:0] for name, array in record.arrays.items()}

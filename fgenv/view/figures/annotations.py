@@ -38,7 +38,7 @@ class Annotations:
     Args:
         names: a selection of `ANNOTATIONS`.
         events: all contacts of the record.
-        mask_robots: robots whose masks are drawn; all if left out.
+        mask_robots: robots with visible masks; all if left out.
     """
 
     def __init__(

@@ -1,6 +1,7 @@
 """A picture: a painted scene with lines, points and labels drawn over it."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from fgenv.arrays import Flags, Floats
 from fgenv.view.figures.camera import Camera
-from fgenv.view.figures.painter import LIGHT, Painter
+from fgenv.view.figures.painter import FADE, LIGHT, Painter
 from fgenv.view.figures.palette import INK, WHITE, Color, rgba
 from fgenv.view.figures.surfaces import Floor, Light, Solid
 
@@ -34,6 +35,8 @@ class Picture:
         samples: int = 3,
     ) -> None:
         self.camera = camera
+        if floor is not None and floor.fade is None:
+            floor = replace(floor, fade=FADE)
         painter = Painter(
             [solid.shape for solid in solids],
             [solid.color for solid in solids],

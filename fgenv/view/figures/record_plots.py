@@ -133,7 +133,7 @@ def plot_space_time(record: Record, axes: Axes) -> None:
         if robot.base != "fixed"
     }
     if not paths:
-        raise ValueError("space-time: expected robots whose bases move")
+        raise ValueError("space-time: expected robots with mobile bases")
     axis = int(np.ptp(np.concatenate(list(paths.values())), axis=0).argmax())
     times, events = record.dt * np.arange(len(record) + 1), contact_events(record)
     for i, path in paths.items():

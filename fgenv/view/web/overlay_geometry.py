@@ -29,7 +29,7 @@ class Snapshot:
     Attributes:
         number: of the world.
         q, before: configurations now and a step ago, (robots, nq).
-        robot: the robot whose masks, boxes, rays and clearances are shown; all robots if None.
+        robot: the robot with visible masks, boxes, rays and clearances; None: all robots.
     """
 
     simulator: Simulator

@@ -49,7 +49,7 @@ class Overlays:
 
     Attributes:
         on: whether each overlay is shown.
-        robot: the robot whose overlays are shown, as in `Snapshot`.
+        robot: the robot with visible overlays, as in `Snapshot`.
     """
 
     NAMES = ("trails", *GEOMETRY)
