@@ -49,8 +49,8 @@ print(f"a slanted path is free up to {free:.6f} m, to {across.other_name}")
 door = world.add(panel, place(5.0, 15.0), name="door")
 world.set_trajectory(door, [0.0, 4.0], [place(5.0, 15.0), place(5.0, 16.9)])
 for begin in (0.0, 4.0):
-    end, goal = begin + 4.0, place(9.0, 15.0)
-    drive = world.check_motion(first, lane[-1], goal, start_time=begin, end_time=end)
+    late, goal = begin + 4.0, place(9.0, 15.0)
+    drive = world.check_motion(first, lane[-1], goal, start_time=begin, end_time=late)
     print(f"start at {begin} s: {'free' if drive else drive.other_name}")
 
 world.clear_path(first)
