@@ -17,6 +17,7 @@ from fgenv.view.figures.movie import Frame
 from fgenv.view.figures.overlay import Overlay
 from fgenv.view.figures.palette import INK, robot_color
 from fgenv.view.mask_links import mask_links, present_robots
+from fgenv.view.robot_poses import base_paths
 
 ANNOTATIONS = ("time", "trails", "collisions", "masks")
 LINGER = 1.0  # seconds that a contact is shown after its end
@@ -53,11 +54,7 @@ class Annotations:
         self.record, self.names, self.events = record, names, events
         self.robots = [robot.name for robot in built.robots]
         self.mask_robots = range(record.n_robots) if mask_robots is None else mask_robots
-        self._paths = [
-            robot.forward(record["configurations"][:, i, : robot.nq], robot.root)[:, :3, 3]
-            for i, robot in enumerate(built.robots)
-        ]
-        self._mobile = [i for i, robot in enumerate(built.robots) if robot.base != "fixed"]
+        self._paths = base_paths(record, built)
 
     def candidates(self, world: World, step: int) -> set[int]:
         """Return the bodies in the masks that are drawn."""
@@ -90,10 +87,10 @@ class Annotations:
     def _draw_trails(self, overlay: Overlay, step: int, world: World) -> None:
         """Draw the visible parts of the bases' recent paths, paler with age."""
         begin = max(0, step - round(TRAIL / self.record.dt))
-        for i in self._mobile:
+        for i, whole in self._paths.items():
             if self.record["status"][step, i] == GONE:
                 continue
-            path = self._paths[i][begin : step + 1] + (0.0, 0.0, LIFT)
+            path = whole[begin : step + 1] + (0.0, 0.0, LIFT)
             seen = visible(path, overlay.camera, world)
             for k in np.flatnonzero(seen[1:] & seen[:-1]).tolist():
                 age = (step - begin - k) * self.record.dt / TRAIL

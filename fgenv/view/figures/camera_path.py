@@ -9,6 +9,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.scenarios import Built
 from fgenv.view.figures.camera import AZIMUTH, ELEVATION, FOV, Camera, direction, overview
+from fgenv.view.robot_poses import base_position
 
 CAMERAS = ("overview", "top", "follow", "orbit")
 MAX_ELEVATION = np.pi / 2 - 1e-3  # rad; straight down leaves the up direction undefined
@@ -63,7 +64,7 @@ class CameraPath:
             angle = SOUTH + 2 * np.pi * seconds / ORBIT_PERIOD
             return self._look_at(self._center, direction(angle, ORBIT_ELEVATION))
         if self.kind == "follow":
-            base = self._model.forward(q[: self._model.nq], self._model.root)[:3, 3]
+            base = base_position(self._model, q)
             return self._look_at(base, direction(FOLLOW_AZIMUTH, FOLLOW_ELEVATION))
         return self._still
 

@@ -16,6 +16,7 @@ from fgenv.view.contact_events import contact_events
 from fgenv.view.figures.canvas import check_plot_path, legend_beside, new_figure, save_figure
 from fgenv.view.figures.palette import INK, TEAM, robot_color
 from fgenv.view.mask_links import present_robots, world_at
+from fgenv.view.robot_poses import base_paths
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -126,12 +127,7 @@ def mask_counts(record: Record, built: Built) -> tuple[Floats, int]:
 
 def plot_space_time(record: Record, axes: Axes) -> None:
     """Plot the position of each mobile robot along the axis of the longest travel, over time."""
-    built = record.scenario.build()
-    paths = {
-        i: robot.forward(record["configurations"][:, i, : robot.nq], robot.root)[:, :3, 3]
-        for i, robot in enumerate(built.robots)
-        if robot.base != "fixed"
-    }
+    paths = base_paths(record, record.scenario.build())
     if not paths:
         raise ValueError("space-time: expected robots with mobile bases")
     axis = int(np.ptp(np.concatenate(list(paths.values())), axis=0).argmax())

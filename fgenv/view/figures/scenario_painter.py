@@ -14,6 +14,7 @@ from fgenv.view.figures.painter import Mark, Painter
 from fgenv.view.figures.palette import MARKED, robot_color, static_color
 from fgenv.view.figures.scenario_picture import world_corners
 from fgenv.view.figures.surfaces import Floor
+from fgenv.view.robot_poses import base_position, part_poses
 
 
 class ScenarioPainter:
@@ -62,7 +63,9 @@ class ScenarioPainter:
         shown = [i for i in range(n) if present is None or present[i]]
         if shown != self._present:
             self._present, self._painter = shown, self._painter_of(shown)
-        moved = [pose for i in shown for pose in self._part_poses(i, configurations[i])]
+        moved = [
+            pose for i in shown for pose in part_poses(self.built.robots[i], configurations[i])
+        ]
         static = self.built.poses if poses is None else poses
         self._painter.camera = self.camera
         marks = [mark for i in shown if (mark := self._mark(i, goals[i])) is not None]
@@ -80,14 +83,9 @@ class ScenarioPainter:
         colors = [*static_colors, *(color for _, color in parts)]
         return Painter(shapes, colors, self.camera, floor=self._floor)
 
-    def _part_poses(self, i: int, q: Floats) -> list[Floats]:
-        robot = self.built.robots[i]
-        links = robot.forward(q[: robot.nq])
-        return [links[part.link] @ part.origin for part in robot.parts]
-
     def _mark(self, i: int, goal: Floats) -> Mark | None:
         robot = self.built.robots[i]
         if robot.base == "fixed":
             return None
-        x, y = robot.forward(goal[: robot.nq], robot.root)[:2, 3].tolist()
+        x, y, _ = base_position(robot, goal).tolist()
         return Mark(x, y, self._radii[i], robot_color(i))

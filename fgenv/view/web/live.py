@@ -10,6 +10,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.envs import Simulator
 from fgenv.envs.state_readers import GONE, MOVING
+from fgenv.view.robot_poses import base_position
 
 from .overlays import Overlays
 from .panel import Panel
@@ -158,8 +159,7 @@ class Live:
         if i is None:
             self._followed_at = None
             return
-        robot = self.simulator.robots[i]
-        base = robot.forward(q[i, : robot.nq], robot.root)[:3, 3]
+        base = base_position(self.simulator.robots[i], q[i])
         for client in self.server.get_clients().values():
             last = client.camera.look_at if self._followed_at is None else self._followed_at
             if np.abs(base - last).max() > 1e-9:

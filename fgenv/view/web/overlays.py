@@ -11,6 +11,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.envs import Simulator
 from fgenv.view.figures.palette import MARKED, robot_color, static_color
+from fgenv.view.robot_poses import base_position
 
 from . import overlay_geometry as geometry
 from .line_sets import LineSet, PointSet
@@ -76,11 +77,8 @@ class Overlays:
         if begins:
             self._trail.clear()
             self._now = q
-        points = [
-            robot.forward(row[: robot.nq], robot.root)[:3, 3]
-            for robot, row in zip(self.simulator.robots, q, strict=True)
-        ]
-        self._trail.append(np.array(points))
+        robots = zip(self.simulator.robots, q, strict=True)
+        self._trail.append(np.array([base_position(robot, row) for robot, row in robots]))
         self._before, self._now = self._now, q
 
     def snapshot(self, world: int) -> Snapshot:

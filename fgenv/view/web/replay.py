@@ -24,6 +24,7 @@ from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
 from fgenv.view.contact_events import ContactEvent, contact_events
 from fgenv.view.figures.palette import BLACK, robot_color
+from fgenv.view.robot_poses import base_paths
 
 from .meshes import rgb
 from .scene import BatchedMesh, ScenarioScene
@@ -142,12 +143,9 @@ class ContactMarks:
 
 def add_paths(scene: SceneApi, record: Record, built: Built, floor: float) -> None:
     """Add the whole path of each mobile robot's base as a line."""
-    for i, robot in enumerate(built.robots):
-        if robot.base == "fixed" or len(record) == 0:
-            continue
-        links = robot.forward(record["configurations"][:, i, : robot.nq], robot.root)
-        points = links[:, :3, 3].copy()
-        if robot.base == "planar":
+    for i, path in base_paths(record, built).items():
+        points = path.copy()
+        if built.robots[i].base == "planar":
             points[:, 2] = floor + LIFT
         moved = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6
         ends = np.stack([points[:-1], points[1:]], axis=1)[moved]

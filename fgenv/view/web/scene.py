@@ -12,6 +12,7 @@ from fgenv.scenarios import Built
 from fgenv.view.figures.camera import Camera, overview
 from fgenv.view.figures.palette import INK, Color, robot_color, static_color
 from fgenv.view.figures.scenario_picture import GOAL_OPACITY, LIFT, body_opacity, world_corners
+from fgenv.view.robot_poses import part_poses
 
 from .meshes import mesh_of, mesh_rgb, quaternions, rgb
 
@@ -78,11 +79,10 @@ class RobotMeshes:
 
     def poses(self, configurations: Sequence[Floats]) -> Floats:
         """Return the poses of all parts, (parts, 4, 4), robot by robot."""
-        poses = []
-        for robot, q in zip(self.robots, configurations, strict=True):
-            links = robot.forward(q[: robot.nq])
-            poses += [links[part.link] @ part.origin for part in robot.parts]
-        return np.reshape(poses, (-1, 4, 4))
+        robots = zip(self.robots, configurations, strict=True)
+        return np.reshape(
+            [pose for robot, q in robots for pose in part_poses(robot, q)], (-1, 4, 4)
+        )
 
     def move(self, poses: Floats, present: Sequence[bool] | None = None) -> None:
         """Move all parts to poses (parts, 4, 4); absent robots are hidden."""
