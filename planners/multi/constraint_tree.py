@@ -7,8 +7,8 @@ E. Boyarski et al., "Don't split, try to work it out", ICAPS 2015.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from fgenv.planners.roadmap.roadmap import INF
 from fgenv.planners.sipp.dynamic_obstacles import TimedPath
@@ -52,6 +52,7 @@ class Node:
         return sum(self.lower_bounds.values())
 
 
+@dataclass(eq=False)
 class ConstraintTree:
     """High-level search for robots without a fixed path.
 
@@ -66,22 +67,20 @@ class ConstraintTree:
         nodes: number of nodes that were expanded.
     """
 
-    def __init__(
-        self,
-        roadmaps: RoadmapSet,
-        budget: SearchBudget,
-        suboptimality: float = 1.0,
-        fixed: dict[int, TimedPath] | None = None,
-        merge_threshold: int = 0,
-    ) -> None:
-        self.roadmaps, self.budget, self.suboptimality = roadmaps, budget, suboptimality
-        self.fixed, self.merge_threshold = fixed or {}, merge_threshold
-        self.splitter = ConflictSplitter(roadmaps)
-        self.robots = [i for i in range(len(roadmaps.kinds)) if i not in self.fixed]
-        self.to_merge: tuple[int, ...] | None = None
-        self.nodes = 0
-        self._conflict_counts: dict[tuple[int, int], int] = {}
-        self._intervals = {i: roadmaps.intervals(i, self.fixed.values()) for i in self.robots}
+    roadmaps: RoadmapSet
+    budget: SearchBudget
+    suboptimality: float = 1.0
+    fixed: Mapping[int, TimedPath] = field(default_factory=dict)
+    merge_threshold: int = 0
+    to_merge: tuple[int, ...] | None = None
+    nodes: int = 0
+    _conflict_counts: dict[tuple[int, int], int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.splitter = ConflictSplitter(self.roadmaps)
+        self.robots = [i for i in range(len(self.roadmaps.kinds)) if i not in self.fixed]
+        fixed = self.fixed.values()
+        self._intervals = {i: self.roadmaps.intervals(i, fixed) for i in self.robots}
 
     def search(self) -> Node | None:
         """Return a node without conflicts; else the node with the fewest of those seen."""
