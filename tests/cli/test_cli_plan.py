@@ -5,12 +5,12 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from support.processes import wait_for_cpu
 from support.shell import Shell
 
 from fgenv.cli import errors
@@ -159,9 +159,9 @@ def test_an_interrupted_search_keeps_the_best_plan(tmp_path: Path) -> None:
     limits = "--planner", "RRTstar", "--method", "composite", "--time-limit", "60"
     command = [SCRIPT, "plan", "swap", "--n", "2", *limits, "--out", tmp_path / "p.npz"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
-        time.sleep(4.0)
+        wait_for_cpu(run, 5.0)
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=30)
+        out, err = run.communicate()
     assert run.returncode == errors.INTERRUPTED
     assert err == b""
     if out:  # else there was no plan yet
