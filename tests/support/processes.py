@@ -1,4 +1,4 @@
-"""Waiting for a process by the work that it has done, which the load of the machine does not change."""
+"""Waiting for the work of a process, which the load of the machine does not change."""
 
 from __future__ import annotations
 
