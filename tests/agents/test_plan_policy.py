@@ -186,8 +186,8 @@ def test_a_plan_of_another_episode_raises(tmp_path: Path) -> None:
     policy.strict = True
     for options, message in (
         ({"n": 3}, "got robots robot 1, robot 2, expected robot 1, robot 2, robot 3"),
-        ({"n": 2, "time_step": 0.05}, "has steps of 0.1 s, the simulator of 0.05 s"),
-        ({"n": 2, "size": 9.0}, "'robot 1' begins elsewhere"),
+        ({"n": 2, "time_step": 0.05}, "got steps of 0.1 s, expected 0.05 s"),
+        ({"n": 2, "size": 9.0}, "the start of 'robot 1' differs"),
     ):
         simulator = Simulator("swap", **options)  # type: ignore[arg-type]
         simulator.reset(seed=0)

@@ -93,7 +93,7 @@ def test_damaged_files_raise(tmp_path: Path) -> None:
     with pytest.raises(PolicyError, match="is damaged"):
         PolicyFile.load(path)
     np.savez(path, **{**arrays, "format": "fgenv policy 2"})
-    with pytest.raises(PolicyError, match="is 'fgenv policy 2', expected 'fgenv policy 1'"):
+    with pytest.raises(PolicyError, match="got 'fgenv policy 2', expected 'fgenv policy 1'"):
         PolicyFile.load(path)
 
 
