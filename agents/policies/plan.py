@@ -10,9 +10,9 @@ import numpy as np
 
 from fgenv.agents.policies.base import BasePolicy
 from fgenv.agents.policies.plan_arguments import check_plan, method_and_planner
-from fgenv.agents.tracking.executable_plan import Course, find
+from fgenv.agents.tracking.executable_plan import ExecutablePlan, plan_executable
 from fgenv.agents.tracking.lookahead import free_steps
-from fgenv.agents.tracking.plan_clock import Run, rates
+from fgenv.agents.tracking.plan_clock import PlanExecution, clock_rates
 from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
@@ -71,7 +71,7 @@ class PlanPolicy(BasePolicy):
         """
         super().reset(view)
         self._simulator = view._simulator  # the view lacks the scenario of the episode
-        self._runs: list[Run | None] = [None] * view.n_worlds
+        self._runs: list[PlanExecution | None] = [None] * view.n_worlds
         self._max_error = 0.0
         self._plan_new_episodes()
 
@@ -99,7 +99,7 @@ class PlanPolicy(BasePolicy):
             assert run is not None
             run.steps = int(view.steps[k])
             if run.course is not None:
-                late[k] = run.late(errors[k], tolerance)
+                late[k] = run.delayed(errors[k], tolerance)
                 self._advance_clock(k, run, q[k], errors[k] > tolerance, late[k])
         references, off_course = self._references(q), errors > tolerance
         stay = off_course & np.array([run is not None and run.held for run in self._runs])[:, None]
@@ -119,9 +119,9 @@ class PlanPolicy(BasePolicy):
         for k, key in enumerate(self._episode_keys):
             run, steps = self._runs[k], int(self.view.steps[k])
             if run is None or run.key != key or steps < run.steps:
-                self._runs[k] = Run(key, self._course(k), steps=steps)
+                self._runs[k] = PlanExecution(key, self._course(k), steps=steps)
 
-    def _course(self, world: int) -> Course | None:
+    def _course(self, world: int) -> ExecutablePlan | None:
         self.problems.pop(world, None)
         try:
             return self._plan(scenario_of_episode(self._simulator, world), world)
@@ -132,15 +132,15 @@ class PlanPolicy(BasePolicy):
             warnings.warn(f"world {world}: {error}; its robots rest", PlanWarning, stacklevel=4)
             return None
 
-    def _plan(self, scenario: Scenario, world: int) -> Course:
+    def _plan(self, scenario: Scenario, world: int) -> ExecutablePlan:
         if self.plan is not None:
-            course = Course.of(self.plan)
+            course = ExecutablePlan.of(self.plan)
             check_plan(course, self.view, world)
             return course
         return self._plan_scenario(scenario, self.seed, self.time_limit)
 
-    def _plan_scenario(self, scenario: Scenario, seed: int, time_limit: float) -> Course:
-        return find(
+    def _plan_scenario(self, scenario: Scenario, seed: int, time_limit: float) -> ExecutablePlan:
+        return plan_executable(
             scenario,
             self.method,
             self.planner,
@@ -185,7 +185,7 @@ class PlanPolicy(BasePolicy):
         return errors
 
     def _advance_clock(
-        self, world: int, run: Run, q: Floats, off_course: Flags, late: Flags
+        self, world: int, run: PlanExecution, q: Floats, off_course: Flags, late: Flags
     ) -> None:
         """Advance the clock, or stop it for late robots."""
         assert run.course is not None
@@ -193,7 +193,7 @@ class PlanPolicy(BasePolicy):
         if run.rate == 1.0 and run.clock == int(run.clock) and not off_course.any():
             run.clock = min(run.clock + 1.0, last)
             return
-        for rate in rates(run, bool(late.any())):
+        for rate in clock_rates(run, bool(late.any())):
             clock = min(run.clock + rate, last)
             if self._reachable(world, run, q, off_course, clock) and self._certified(
                 world, run, q, clock
@@ -204,7 +204,9 @@ class PlanPolicy(BasePolicy):
         run.rate = 1.0 if clock == last else clock - run.clock
         run.waited, run.clock = run.waited + 1.0 - run.rate, clock
 
-    def _reachable(self, world: int, run: Run, q: Floats, off_course: Flags, clock: float) -> bool:
+    def _reachable(
+        self, world: int, run: PlanExecution, q: Floats, off_course: Flags, clock: float
+    ) -> bool:
         """Whether all robots on their courses can follow the clock."""
         assert run.course is not None
         view, rows = self.view, run.course.at(clock)
@@ -217,7 +219,7 @@ class PlanPolicy(BasePolicy):
 
         return all(reachable(i) for i in np.flatnonzero(on).tolist())
 
-    def _certified(self, world: int, run: Run, q: Floats, *clocks: float) -> bool:
+    def _certified(self, world: int, run: PlanExecution, q: Floats, *clocks: float) -> bool:
         """Whether the simultaneous motions through the plan at these clocks are certified free."""
         on = np.flatnonzero(self.view.moving[world]).tolist()
         if not on:
@@ -226,7 +228,7 @@ class PlanPolicy(BasePolicy):
         rows = [self._predicted(run, q, i, clocks) for i in on]
         return bool(free_steps(self.view.world(world), names, models, rows).all())
 
-    def _predicted(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
+    def _predicted(self, run: PlanExecution, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
         """Current and planned configurations of a robot at clocks, (1 + len(clocks), nq)."""
         assert run.course is not None
         ahead = [run.course.at(clock)[i] for clock in clocks]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fgenv.agents.tracking.executable_plan import Course
+from fgenv.agents.tracking.executable_plan import ExecutablePlan
 from fgenv.envs import View
 from fgenv.planners import METHODS, PLANNERS, PlanningError
 from fgenv.scenarios.errors import near
@@ -21,7 +21,7 @@ def method_and_planner(argument: str) -> tuple[str | None, str]:
     return method or None, planner or "RRTConnect"
 
 
-def check_plan(course: Course, view: View, world: int) -> None:
+def check_plan(course: ExecutablePlan, view: View, world: int) -> None:
     """Raise PlanningError if a plan is not for a world's episode."""
     names = tuple(robot.name for robot in course.plan.scenario.robots)
     if names != view.names:

@@ -10,9 +10,9 @@ import numpy as np
 
 from fgenv.agents.policies.plan import PlanPolicy
 from fgenv.agents.policies.plan_arguments import method_and_planner
-from fgenv.agents.tracking.executable_plan import Course
-from fgenv.agents.tracking.plan_clock import Run
-from fgenv.agents.tracking.replan_problem import from_here, onward
+from fgenv.agents.tracking.executable_plan import ExecutablePlan
+from fgenv.agents.tracking.plan_clock import PlanExecution
+from fgenv.agents.tracking.replan_problem import current_scenario, extrapolated
 from fgenv.arrays import Flags, Floats, Floats32
 from fgenv.envs import View
 from fgenv.envs.recorder import scenario_of_episode
@@ -74,7 +74,7 @@ class ReplanPolicy(PlanPolicy):
     def reset(self, view: View) -> None:
         """Plan new episodes."""
         self.replans = 0
-        self._monitors: dict[int, tuple[Run, Monitor]] = {}
+        self._monitors: dict[int, tuple[PlanExecution, Monitor]] = {}
         super().reset(view)
 
     def act(self, observations: Floats32) -> Floats:
@@ -84,7 +84,7 @@ class ReplanPolicy(PlanPolicy):
             monitor.before = self.view.configurations[k]
         return actions
 
-    def _monitor(self, world: int, run: Run, q: Floats) -> Monitor:
+    def _monitor(self, world: int, run: PlanExecution, q: Floats) -> Monitor:
         known = self._monitors.get(world)
         if known is None or known[0] is not run:
             known = run, Monitor(np.zeros(len(q), dtype=bool), q.copy(), run.steps)
@@ -92,7 +92,7 @@ class ReplanPolicy(PlanPolicy):
         return known[1]
 
     def _advance_clock(
-        self, world: int, run: Run, q: Floats, off_course: Flags, late: Flags
+        self, world: int, run: PlanExecution, q: Floats, off_course: Flags, late: Flags
     ) -> None:
         assert run.course is not None
         monitor, moving = self._monitor(world, run, q), self.view.moving[world]
@@ -132,14 +132,16 @@ class ReplanPolicy(PlanPolicy):
         )
         return min(MIN_LOOK_AHEAD + int(longest), MAX_LOOK_AHEAD)
 
-    def _predicted(self, run: Run, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
+    def _predicted(self, run: PlanExecution, q: Floats, i: int, clocks: Sequence[float]) -> Floats:
         for known, monitor in self._monitors.values():
             if known is run and monitor.strays[i]:
                 model = self.view.robots[i]
-                return onward(model, monitor.before[i, : model.nq], q[i, : model.nq], len(clocks))
+                return extrapolated(
+                    model, monitor.before[i, : model.nq], q[i, : model.nq], len(clocks)
+                )
         return super()._predicted(run, q, i, clocks)
 
-    def _replan(self, world: int, run: Run, monitor: Monitor, q: Floats) -> None:
+    def _replan(self, world: int, run: PlanExecution, monitor: Monitor, q: Floats) -> None:
         """Plan from the current state; without a plan all robots rest until the next attempt."""
         monitor.planned, moving = run.steps, self.view.moving[world]
         movers = np.flatnonzero(moving & ~monitor.strays).tolist()
@@ -148,7 +150,7 @@ class ReplanPolicy(PlanPolicy):
         if not movers:
             return
         scenario = scenario_of_episode(self._simulator, world)
-        problem, robots = from_here(scenario, self.view.robots, q, movers, standing)
+        problem, robots = current_scenario(scenario, self.view.robots, q, movers, standing)
         seed = self.seed + self.replans + 1
         try:
             course = self._plan_scenario(problem, seed, self.replan_time_limit)
@@ -161,8 +163,8 @@ class ReplanPolicy(PlanPolicy):
         run.clock, run.rate, run.nearest = 0.0, 1.0, np.empty(0)
 
     def _with_all_robots(
-        self, course: Course, robots: Sequence[int], movers: Sequence[int], q: Floats
-    ) -> Course:
+        self, course: ExecutablePlan, robots: Sequence[int], movers: Sequence[int], q: Floats
+    ) -> ExecutablePlan:
         """Extend a course of some robots to all; the other robots rest.
 
         Raises:

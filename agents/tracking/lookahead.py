@@ -1,4 +1,4 @@
-"""Whether steps that are to come are free, in a world as it is now."""
+"""Certified checks of upcoming steps in the current world."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fgenv.robots import Robot
 def free_steps(
     world: World, names: Sequence[str], models: Sequence[Robot], rows: Sequence[Floats]
 ) -> NDArray[np.bool_]:
-    """Whether each step is proved free, (m,): all robots named move at once, the rest stands.
+    """Whether each step is certified free, (m,): the named robots move at once, the rest stands.
 
     Args:
         rows: configurations (m + 1, nq) of each of them.

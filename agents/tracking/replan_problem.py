@@ -1,4 +1,4 @@
-"""Scenarios of episodes as they are now: robots from where they are, the rest in their way."""
+"""Replanning problems: scenarios that start from the current state of an episode."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from fgenv.scenarios import Scenario
 from fgenv.scenarios.schema import Body, RobotSpec
 
 
-def from_here(
+def current_scenario(
     scenario: Scenario,
     robots: Sequence[Robot],
     q: Floats,
     movers: Sequence[int],
     standing: Sequence[int],
 ) -> tuple[Scenario, tuple[int, ...]]:
-    """The scenario with movers at their configurations, and standing robots as bodies.
+    """Return the scenario with movers at their configurations, and standing robots as bodies.
 
-    Robots that are neither are gone. A robot of several links that stands stays a robot, whose goal
-    is where it is.
+    All other robots are left out. A standing robot of several links stays a robot, with its current
+    configuration as its goal.
 
     Args:
         scenario: with the goals of the episode.
-        robots: their models.
+        robots: models of its robots.
         q: configurations (robots, nq).
 
     Returns:
-        The scenario, and the places of its robots in that given.
+        The scenario, and the indices of its robots in the given one.
     """
     rows = [tuple(row[: model.nq].tolist()) for row, model in zip(q, robots, strict=True)]
     specs: dict[int, RobotSpec] = {}
@@ -44,13 +44,13 @@ def from_here(
         elif shape is None:
             specs[i] = spec.model_copy(update={"start": rows[i], "goal": rows[i]})
         else:
-            bodies.append(body_of(spec, shape, robots[i].forward(np.array(rows[i]), 0)))
+            bodies.append(static_body(spec, shape, robots[i].forward(np.array(rows[i]), 0)))
     changed = {"robots": tuple(specs.values()), "bodies": tuple(bodies)}
     return scenario.model_copy(update=changed).at(scenario.folder), tuple(specs)
 
 
-def body_of(spec: RobotSpec, shape: str, pose: Floats) -> Body:
-    """A robot of one link as a body that stands at a pose (4, 4)."""
+def static_body(spec: RobotSpec, shape: str, pose: Floats) -> Body:
+    """A robot of one link as a static body at a pose (4, 4)."""
     r = pose[:3, :3]
     rpy = (
         math.atan2(r[2, 1], r[2, 2]),
@@ -61,8 +61,8 @@ def body_of(spec: RobotSpec, shape: str, pose: Floats) -> Body:
     return Body(name=spec.name, shape=shape, position=place, rpy=rpy, groups=spec.groups)
 
 
-def onward(robot: Robot, before: Floats, now: Floats, steps: int) -> Floats:
-    """Where a robot gets that goes on as in the last step, (1 + steps, nq); a free base level on.
+def extrapolated(robot: Robot, before: Floats, now: Floats, steps: int) -> Floats:
+    """Configurations (1 + steps, nq) if a robot repeats its last step; a free base keeps level.
 
     Args:
         before, now: configurations (nq,).

@@ -20,7 +20,8 @@ from .drives.base import Action, Drive
 from .drives.steering import Steering
 from .links_joints import Link, LinkShape, as_pose, number_of
 from .primitives import ERROR
-from .urdf import Reader, disabled_collisions
+from .srdf import disabled_collisions
+from .urdf import Reader
 
 
 @dataclass(frozen=True, eq=False, repr=False)

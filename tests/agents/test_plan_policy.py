@@ -12,7 +12,7 @@ from support.plans import Held, driven
 
 import fgenv
 from fgenv.agents import PlanPolicy, PlanWarning, run_episode
-from fgenv.agents.tracking.executable_plan import Course, arrived
+from fgenv.agents.tracking.executable_plan import ExecutablePlan, at_goal
 from fgenv.envs import FleetEnv, Simulator, View, policy_of
 from fgenv.metrics import Results
 from fgenv.planners import PlanningError
@@ -86,10 +86,10 @@ def test_a_way_point_gives_the_planned_velocity(kind: str) -> None:
 
 def test_courses_end_at_the_goals() -> None:
     plan = fgenv.plan("swap", n=3, method="composite")
-    course = Course.of(plan)
+    course = ExecutablePlan.of(plan)
     for i, (model, spec) in enumerate(zip(course.models, plan.scenario.robots, strict=True)):
         q, goal = course.configurations[i], np.array(spec.goal)
-        there = arrived(model, spec, q, goal)
+        there = at_goal(model, spec, q, goal)
         stop = int(there.argmax())
         assert there[stop:].all()
         assert (q[stop:] == q[stop]).all()
@@ -175,7 +175,9 @@ def test_a_world_without_a_plan_rests_with_a_warning_or_is_an_error(tmp_path: Pa
 
 
 def test_plans_with_reverse_motion_by_way_points_raise() -> None:
-    with pytest.raises(PlanningError, match="backs up, which way points do not; take actions="):
+    with pytest.raises(
+        PlanningError, match="backs up, which way points cannot express; use actions="
+    ):
         driven("doorway", "plan:composite", n=2, actions="way_points")
 
 

@@ -7,7 +7,7 @@ import pytest
 from support.plans import Held, driven
 
 from fgenv.agents import ReplanPolicy, run_episode
-from fgenv.agents.tracking.replan_problem import from_here, onward
+from fgenv.agents.tracking.replan_problem import current_scenario, extrapolated
 from fgenv.envs import Policy, Simulator, View, policy_of
 from fgenv.metrics import Results
 
@@ -70,7 +70,7 @@ def test_the_problem_has_resting_robots_as_bodies() -> None:
     simulator = Simulator("swap", n=3)
     simulator.reset(seed=0)
     q = simulator.configurations[0]
-    now, places = from_here(simulator.scenario, simulator.robots, q, [0], [2])
+    now, places = current_scenario(simulator.scenario, simulator.robots, q, [0], [2])
     assert places == (0,)
     assert [robot.name for robot in now.robots] == ["robot 1"]
     assert now.bodies[-1].name == "robot 3"
@@ -80,7 +80,7 @@ def test_the_problem_has_resting_robots_as_bodies() -> None:
 
 def test_strays_continue_their_motion() -> None:
     (robot,) = Simulator("swap", n=1).robots
-    rows = onward(robot, np.array([0.0, 0.0, 3.0]), np.array([0.1, 0.2, -3.1]), 2)
+    rows = extrapolated(robot, np.array([0.0, 0.0, 3.0]), np.array([0.1, 0.2, -3.1]), 2)
     turn = 2 * np.pi - 6.1
     np.testing.assert_allclose(rows[:, :2], [[0.1, 0.2], [0.2, 0.4], [0.3, 0.6]])
     np.testing.assert_allclose(rows[:, 2], [-3.1, -3.1 + turn, -3.1 + 2 * turn])

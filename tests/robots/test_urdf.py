@@ -272,21 +272,25 @@ def test_rotation_is_exact_at_rest() -> None:
 FAULTS = [
     ("<robot", "<sdf", "<sdf>, expected a URDF file|Opening and ending tag"),
     ("</robot>", "", "line 33: .*, expected XML"),
-    ('name="arm"', "", "line 2: <robot> has no name"),
-    ('type="revolute"', 'type="ball"', "line 18: joint 'shoulder': type 'ball', expected one of"),
+    ('name="arm"', "", "line 2: <robot>: got no name"),
+    (
+        'type="revolute"',
+        'type="ball"',
+        "line 18: joint 'shoulder': type: got 'ball', expected one of",
+    ),
     (
         'type="revolute"',
         'type="floating"',
         "is floating: begin at its child, with base='free'",
     ),
-    ('<child link="upper"/>', "", "joint 'shoulder' has no child"),
+    ('<child link="upper"/>', "", "joint 'shoulder': got no child"),
     ('link="upper"/>', 'link="lower"/>', "joint 'shoulder': got 'lower'"),
     (
         "<box size=",
         "<capsule size=",
-        "link 'base': collision geometry is capsule, expected one of box",
+        "link 'base': collision geometry: got capsule, expected one of box",
     ),
-    ('<box size="0.2 0.3 0.4"/>', "", "link 'base': collision geometry is nothing"),
+    ('<box size="0.2 0.3 0.4"/>', "", "link 'base': collision geometry: got nothing"),
     (
         'size="0.2 0.3 0.4"',
         'size="0.2 0.3"',
@@ -297,13 +301,13 @@ FAULTS = [
     (
         'rpy="0.4 0.5 0.6"',
         'rpy="0.4 0.5"',
-        "line 20: origin: rpy '0.4 0.5', expected three numbers",
+        "line 20: origin: rpy: got '0.4 0.5', expected three numbers",
     ),
     ('axis xyz="0 1 1"', 'axis xyz="0 0 0"', "joint 'shoulder': axis"),
     ('lower="-1.5"', 'lower="5"', "joint 'shoulder': got lower 5 over upper 2"),
     ('mimic joint="slide"', 'mimic joint="glide"', "mimic: got 'glide', no such joint"),
-    ('filename="hand.stl"', "", "link 'hand': mesh without filename"),
-    ('"hand.stl"', '"foot.stl"', "link 'hand': mesh 'foot.stl' is not there .looked at .*; put it"),
+    ('filename="hand.stl"', "", "link 'hand': got a mesh without filename"),
+    ('"hand.stl"', '"foot.stl"', "link 'hand': mesh 'foot.stl': got no such file in .*; put it"),
     (
         '"hand.stl"',
         '"package://feet/foot.stl"',
@@ -312,7 +316,7 @@ FAULTS = [
     (
         '"hand.stl" ',
         '"hand.stl" scale="1 0 1"',
-        "link 'hand': mesh scale .*, expected numbers but 0",
+        "link 'hand': mesh scale: got .*, expected numbers but 0",
     ),
 ]
 
@@ -350,7 +354,7 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
 def test_a_robot_that_could_meet_nothing_is_told_of(tmp_path: Path) -> None:
     ball = "<visual><geometry><sphere radius='1'/></geometry></visual>"
     path = written(tmp_path, f"<robot name='r'><link name='a'>{ball}</link></robot>")
-    with pytest.warns(UserWarning, match="no collision geometry: it meets nothing; give"):
+    with pytest.warns(UserWarning, match="no collision geometry, so that nothing collides; give"):
         assert not Robot.from_urdf(path).parts
     assert len(Robot.from_urdf(path, collision=False).parts) == 1
 
