@@ -37,18 +37,13 @@ def agents(world: World, built: Built, cases: Cases, observation: Observation) -
                 f"robot: got {robot.name!r} without a drive, expected one; give its model one to"
                 " simulate it"
             )
-        drive = robot.drive.base_drive
         if not sees and lidar is None:
             raise ValueError(f"observation: {robot.name!r} observes nothing, expected one part on")
         found.append(
             _core.Agent(
                 world._core,
                 int(world.parts(built.groups[i][0])[0]),
-                drive.native_kind,
-                wheelbase=(drive.native_parameters() or (1.0,))[0],
-                limits=np.array([(a.low, a.high, a.rate) for a in robot.actions]).reshape(-1, 3),
-                lower=robot.lower,
-                upper=robot.upper,
+                robot.drive.native(robot),
                 starts=cases.starts[i],
                 goals=cases.goals[i],
                 tolerance=(spec.goal_tolerance.position, spec.goal_tolerance.angle),

@@ -157,7 +157,7 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
         if (ways[i] != 0 && !planar) fail("ways: '" + w.body(id).name + "' has no planar base, and goes straight");
         for (const Member& m : out)
             if (m.id == id) fail("robots: '" + w.body(id).name + "' is named twice");
-        out.push_back({id, model, sizes[i], {static_cast<Way>(ways[i]), radii[i], reverse[i]}});
+        out.push_back({id, model, sizes[i], {static_cast<SteeringMethod>(ways[i]), radii[i], reverse[i]}});
         if (regions.empty()) continue;
         if (regions[i].size() != 4) fail("regions: expected least x, y, greatest x, y of each");
         for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = regions[i][k];
@@ -241,7 +241,7 @@ nb::object legs_of(const Robot& robot, nb::handle q0, nb::handle q1, int way, do
     if (way != 0 && robot.joints[0].kind != JointKind::planar)
         fail("way: the robot has no planar base, and goes straight");
     std::vector<double> rows;
-    legs(robot, {static_cast<Way>(way), radius, reverse}, from.row(0), to.row(0), rows);
+    legs(robot, {static_cast<SteeringMethod>(way), radius, reverse}, from.row(0), to.row(0), rows);
     return copy_out(rows.data(), {static_cast<int64_t>(rows.size()) / robot.nq()}, {robot.nq()});
 }
 

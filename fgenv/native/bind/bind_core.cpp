@@ -11,6 +11,7 @@ NB_MODULE(_core, m) {
     fgenv::bind_queries(m);
     fgenv::bind_world(m);
     fgenv::bind_robot(m);
+    fgenv::bind_drive(m);
     fgenv::bind_simulator(m);
     fgenv::bind_checker(m);
     fgenv::bind_picture(m);

@@ -4,6 +4,7 @@
 #include <nanobind/stl/pair.h>
 
 #include "bind/bind.h"
+#include "bind/bind_drive.h"
 #include "bind/parallel.h"
 #include "simulator/simulator.h"
 
@@ -24,18 +25,8 @@ std::vector<std::vector<double>> rows_of(nb::handle value, const char* name, int
     return out;
 }
 
-DriveKind drive_of(const std::string& name) {
-    if (name == "none") return DriveKind::none;
-    if (name == "holonomic") return DriveKind::holonomic;
-    if (name == "differential") return DriveKind::differential;
-    if (name == "car") return DriveKind::car;
-    if (name == "drone") return DriveKind::drone;
-    fail("drive: '" + name + "' is unknown");
-}
-
 // What the Python face says of a robot; it has checked it.
-Agent make_agent(const World& like, BodyId id, const std::string& drive, double wheelbase, nb::handle limits,
-                 nb::handle lower, nb::handle upper, nb::handle starts, nb::handle goals,
+Agent make_agent(const World& like, BodyId id, const Drive& drive, nb::handle starts, nb::handle goals,
                  std::pair<double, double> tolerance, double radius, double range, nb::handle position,
                  nb::handle directions) {
     Agent agent;
@@ -43,18 +34,14 @@ Agent make_agent(const World& like, BodyId id, const std::string& drive, double 
     const Body& body = like.body(id);
     if (!body.robot) fail("robots: '" + body.name + "' is a body, expected a robot");
     const int32_t nq = body.robot->nq();
-    agent.drive.base = drive_of(drive);
-    agent.drive.wheelbase = wheelbase;
-    for (const std::vector<double>& row : rows_of(limits, "limits", 3))
-        agent.drive.limits.push_back({row[0], row[1], row[2]});
+    check_fits(*body.robot, drive);
+    agent.drive = drive;
     const auto vector = [&](nb::handle value, const char* name, int64_t n) {
         const Array<double> a = doubles(value, name);
         if (a.dims != Dims{n})
             fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
         return std::vector<double>(a.data(), a.data() + n);
     };
-    agent.drive.lower = vector(lower, "lower", nq);
-    agent.drive.upper = vector(upper, "upper", nq);
     agent.starts = rows_of(starts, "starts", nq);
     agent.goals = rows_of(goals, "goals", nq);
     if (agent.starts.empty() || agent.starts.size() != agent.goals.size())
@@ -294,15 +281,14 @@ void bind_simulator(nb::module_& m) {
     nb::class_<Agent>(m, "Agent")
         .def(
             "__init__",
-            [](Agent* self, const World& like, BodyId id, const std::string& drive, double wheelbase, nb::handle limits,
-               nb::handle lower, nb::handle upper, nb::handle starts, nb::handle goals,
+            [](Agent* self, const World& like, BodyId id, const Drive& drive, nb::handle starts, nb::handle goals,
                std::pair<double, double> tolerance, double radius, double range, nb::handle position,
                nb::handle directions) {
-                new (self) Agent(make_agent(like, id, drive, wheelbase, limits, lower, upper, starts, goals, tolerance,
-                                            radius, range, position, directions));
+                new (self)
+                    Agent(make_agent(like, id, drive, starts, goals, tolerance, radius, range, position, directions));
             },
-            "world"_a, "id"_a, "drive"_a, nb::kw_only(), "wheelbase"_a, "limits"_a, "lower"_a, "upper"_a, "starts"_a,
-            "goals"_a, "tolerance"_a, "radius"_a, "range"_a, "position"_a, "directions"_a);
+            "world"_a, "id"_a, "drive"_a, nb::kw_only(), "starts"_a, "goals"_a, "tolerance"_a, "radius"_a, "range"_a,
+            "position"_a, "directions"_a);
     nb::class_<Simulator>(m, "Simulator")
         .def(
             "__init__",
@@ -346,18 +332,15 @@ void bind_simulator(nb::module_& m) {
         .def("set_state", &set_state, "state"_a)
         .def("configurations",
              [](const Simulator& s) {
-                 return rows(
-                     s, most_coordinates(s), [](const Runner& r) -> auto& { return r.q; });
+                 return rows(s, most_coordinates(s), [](const Runner& r) -> auto& { return r.q; });
              })
         .def("goals",
              [](const Simulator& s) {
-                 return rows(
-                     s, most_coordinates(s), [](const Runner& r) -> auto& { return r.goal; });
+                 return rows(s, most_coordinates(s), [](const Runner& r) -> auto& { return r.goal; });
              })
         .def("velocities",
              [](const Simulator& s) {
-                 return rows(
-                     s, most_actions(s), [](const Runner& r) -> auto& { return r.action; });
+                 return rows(s, most_actions(s), [](const Runner& r) -> auto& { return r.action; });
              })
         .def("hit_points",
              [](const Simulator& s) {

@@ -1,11 +1,11 @@
-// How fast the links of a chain turn and accelerate at most, whatever way the joints stand.
+// Upper bounds of turn and acceleration of the links of a chain, for any configuration of its joints.
 #pragma once
 
 #include "motion/rigid_motion.h"
 
 namespace fgenv {
 
-// Bounds that hold all along the motion, carried from the base outwards.
+// Bounds over the whole motion, propagated from the base outwards.
 //
 // Rates r_k of the joints are constant. Let w, A be the angular velocity and acceleration of a link, p its
 // origin. A turn about the axis a (unit, fixed in the link before it) gives
@@ -17,18 +17,18 @@ namespace fgenv {
 // |w| is at most the sum of all |r|, but neighbors do better. Keep w as u + r a, where a is the last
 // axis, r its rate and |u| <= `before`. The angle between a and the next axis a' never changes, since both
 // are fixed in the link between them; so |w x a'| <= before + |r| |a x a'| and |w'| <= before + |r a + r' a'|.
-// Parallel neighbors add up, with their signs, to one; and what is near the axis of a turn is hardly
-// accelerated by it: |w x l| <= before |l| + |r| |a x l|.
+// Parallel neighbors add up, with their signs, to one; a point near the axis of a turn has a small
+// acceleration from it: |w x l| <= before |l| + |r| |a x l|.
 class ChainBound {
 public:
     double turn() const { return w_; }
 
-    // Of a frame that is fixed in the link, at l from its origin.
+    // Acceleration of a frame that is fixed in the link, at l from its origin.
     Acceleration acceleration(Vec3 l) const {
         return {askew * (at_ + ride(norm(l), off_axis(l))), askew * (turning_ + w_ * w_)};
     }
 
-    // A joint that turns; l: from the link's origin to the joint's, a: its axis, both in the link's frame.
+    // Add a revolute joint; l: from the link's origin to the joint's, a: its axis, both in the link's frame.
     void turn(Vec3 l, Vec3 a, double rate) {
         at_ += ride(norm(l), off_axis(l));
         const double sine = norm(cross(axis_, a)), cosine = dot(axis_, a);
@@ -41,18 +41,18 @@ public:
         axis_ = a;
     }
 
-    // A joint that shifts; l0, l1: from the link's origin to where it begins and ends.
+    // Add a prismatic joint; l0, l1: from the link's origin to its first and last position.
     void shift(Vec3 l0, Vec3 l1, Vec3 a, double rate) {
         const double length = greater(norm(l0), norm(l1)), off = greater(off_axis(l0), off_axis(l1));
         at_ += ride(length, off) + 2 * std::fabs(rate) * across(a);
     }
 
-    // From here on all is given in the frame of the next link.
+    // Continue in the frame of the next link.
     void pass(const Rigid& next) { axis_ = unrotate(next, axis_); }
 
 private:
-    static constexpr double askew = 1.0001;   // poses may be off orthonormal by 1e-5
-    static constexpr double parallel = 1e-6;  // sine of the angle between axes that are taken for one
+    static constexpr double askew = 1.0001;   // poses may deviate from orthonormal by 1e-5
+    static constexpr double parallel = 1e-6;  // sine of the angle below which axes count as parallel
 
     double off_axis(Vec3 l) const { return norm(cross(axis_, l)); }
     double across(Vec3 a) const { return lesser(w_, before_ + std::fabs(rate_) * norm(cross(axis_, a))); }

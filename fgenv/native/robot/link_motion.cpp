@@ -10,7 +10,7 @@ Slerp slerp_of(const Robot& robot, const double* q0, const double* q1) {
     return {{q0[3], q0[4], q0[5], q0[6]}, {q1[3], q1[4], q1[5], q1[6]}};
 }
 
-// A joint's frame where its parent is at `parent`.
+// A joint's frame, from its parent's pose.
 Rigid frame(const Joint& joint, const Rigid& parent) {
     return joint.parent < 0 ? joint.origin : compose(parent, joint.origin);
 }
@@ -109,7 +109,7 @@ Rigid RobotMotion::chain(int32_t link, double s, Velocity& velocity) const {
     return next(link, s, parent < 0 ? identity() : chain(parent, s, velocity), velocity);
 }
 
-// A link's pose and velocity by those of its parent.
+// A link's pose and velocity, from those of its parent.
 Rigid RobotMotion::next(int32_t link, double s, const Rigid& parent, Velocity& velocity) const {
     if (links_[link].still) {
         velocity = {{0, 0, 0}, {0, 0, 0}};

@@ -1,4 +1,4 @@
-// How a robot and its links move straight from one configuration to another.
+// Straight motions of a robot and its links from one configuration to another.
 #pragma once
 
 #include <array>
@@ -9,26 +9,26 @@
 
 namespace fgenv {
 
-// All links' motions at once; a robot outlives its motions. Not for several threads at once.
+// The motions of all links. The robot must outlive its motions. Not thread-safe.
 class RobotMotion {
 public:
     RobotMotion(const Robot& robot, const double* q0, const double* q1);
 
-    // At fraction s, in [0, 1]: bit for bit where `forward` puts the link at `interpolate(s)`.
+    // Pose at fraction s, in [0, 1]: bit for bit that of `forward` at `interpolate(s)`.
     Rigid pose(int32_t link, double s) const;
     Rigid pose(int32_t link, double s, Velocity& velocity) const;
-    // Of a frame that is fixed in the link.
+    // Acceleration bound of a frame that is fixed in the link.
     Acceleration acceleration(int32_t link, const Rigid& offset) const;
     double turn(int32_t link) const { return links_[link].chain.turn(); }
 
 private:
     struct Link {
         bool still;        // in the world
-        Rigid at;          // where it is, if still; else where it is in the last link that a joint moves
+        Rigid at;          // pose in the world, if still; else in the last link that a joint moves
         ChainBound chain;  // of that link
     };
 
-    // All links at one of the fractions that every pair of parts is looked at: found once for all.
+    // All links at a fraction that every pair of parts is checked at: computed once.
     struct Snapshot {
         std::vector<Rigid> poses;
         std::vector<Velocity> velocities;
@@ -49,11 +49,11 @@ private:
     mutable std::array<Snapshot, 3> snapshots_;  // at 0, 0.5 and 1
 };
 
-// The motion of one link, or of a body held at `offset` in its frame; the robot's motion outlives it.
+// The motion of one link, or of a body held at `offset` in its frame; the RobotMotion must outlive it.
 class LinkMotion final : public BodyMotion {
 public:
     LinkMotion(const RobotMotion& robot, int32_t link, const Rigid* offset = nullptr);
-    // The same motion as seen by t' with t = begin + rate t'.
+    // The same motion as a function of t' with t = begin + rate t'.
     LinkMotion retimed(double begin, double rate) const;
 
     Rigid pose(double t) const override;

@@ -1,4 +1,4 @@
-// What moves as one: a body with all that it carries, or a robot, which is a kinematic tree.
+// Movers: a body with the bodies that it carries, or a robot, which is a kinematic tree.
 #pragma once
 
 #include <map>
@@ -10,13 +10,13 @@
 
 namespace fgenv {
 
-// Where a mover is: the pose of a body, or a robot's configuration.
+// State of a mover: the pose of a body, or a robot's configuration.
 struct Place {
     Rigid pose = identity();
     std::vector<double> q;
 };
 
-// Frames that a mover's parts are held in: the body's own, or one for each link of the robot.
+// Frames that a mover's parts are fixed in: the body's own, or one per link of the robot.
 struct Frames {
     Rigid body = identity();
     std::vector<Rigid> links;
@@ -28,7 +28,7 @@ struct Frames {
 Frames frames_at(const Robot* robot, const Place& place);
 Place between(const Robot* robot, const Place& from, const Place& to, double t);
 
-// Of one part.
+// Motion of one part.
 class PartMotion {
 public:
     PartMotion(const RigidMotion& motion) : motion_(motion) {}
@@ -39,7 +39,7 @@ public:
         return std::get<LinkMotion>(motion_);
     }
     const BodyMotion* operator->() const { return &**this; }
-    // The same motion as seen by t' with t = begin + rate t'.
+    // The same motion as a function of t' with t = begin + rate t'.
     PartMotion retimed(double begin, double rate) const {
         return std::visit([&](const auto& m) { return PartMotion(m.retimed(begin, rate)); }, motion_);
     }
@@ -48,7 +48,7 @@ private:
     std::variant<RigidMotion, LinkMotion> motion_;
 };
 
-// From place to place, both of which it refers to; outlives the motions of its parts. Not for several threads.
+// Motion between two places, to which it refers; must outlive the motions of its parts. Not thread-safe.
 class MoverMotion {
 public:
     MoverMotion() = default;
@@ -58,14 +58,14 @@ public:
           to_(&to),
           tree_(robot ? std::make_unique<RobotMotion>(*robot, from.q.data(), to.q.data()) : nullptr) {}
 
-    // Held in the frame of `link` at `offset`; null: the body itself.
+    // The part at `offset` in the frame of `link`; null: the body itself.
     PartMotion part(int32_t link, const Rigid* offset) const {
         if (tree_) return LinkMotion(*tree_, link, offset);
         return RigidMotion(from_->pose, to_->pose, offset);
     }
 
-    // The same of two parts of a robot as seen from the last link that carries both: they are to each other as in
-    // the world, and move less.
+    // Motions of two parts of a robot relative to the last link that carries both: with the same relative motion
+    // as in the world, and less motion of each.
     std::pair<PartMotion, PartMotion> beside(int32_t a, const Rigid* held_a, int32_t b, const Rigid* held_b) const;
 
 private:

@@ -1,11 +1,11 @@
 #include "robot/robot.h"
 
+#include "math/constants.h"
+
 namespace fgenv {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
-// In [-pi, pi]; an angle that is there already stays as it is.
+// In [-pi, pi]; an angle in that range is unchanged.
 double wrapped(double angle) {
     if (std::fabs(angle) <= pi) return angle;
     const double out = angle - 2 * pi * std::floor((angle + pi) / (2 * pi));

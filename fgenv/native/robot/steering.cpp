@@ -2,18 +2,20 @@
 
 #include <algorithm>
 
+#include "math/constants.h"
+#include "robot/car_path.h"
+
 namespace fgenv {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double same_place = 1e-9;  // meters
-constexpr double chord = 0.1;        // radians
+constexpr double min_distance = 1e-9;  // meters: at less, the motion is a turn in place
+constexpr double max_chord = 0.1;      // radians
 
-struct Spot {
+struct PlanarPose {
     double x, y, yaw;
 };
 
-void add_row(const Robot& robot, const double* q0, const double* q1, double t, const Spot& at,
+void add_row(const Robot& robot, const double* q0, const double* q1, double t, const PlanarPose& at,
              std::vector<double>& rows) {
     const size_t begin = rows.size();
     rows.resize(begin + robot.nq());
@@ -26,19 +28,19 @@ void add_row(const Robot& robot, const double* q0, const double* q1, double t, c
 
 void turn_drive_turn(const Robot& robot, bool reverse, const double* q0, const double* q1, std::vector<double>& rows) {
     const double dx = q1[0] - q0[0], dy = q1[1] - q0[1];
-    if (dx * dx + dy * dy < same_place * same_place) return;
+    if (dx * dx + dy * dy < min_distance * min_distance) return;
     const double ahead = arc_tangent(dy, dx);
-    const auto turns = [&](double heading) {
+    const auto total_turn = [&](double heading) {
         return std::fabs(change(Coordinate::angle, q0[2], heading)) +
                std::fabs(change(Coordinate::angle, heading, q1[2]));
     };
-    const double heading = reverse && turns(ahead + pi) < turns(ahead) ? ahead + pi : ahead;
+    const double heading = reverse && total_turn(ahead + pi) < total_turn(ahead) ? ahead + pi : ahead;
     add_row(robot, q0, q1, 1.0 / 3, {q0[0], q0[1], heading}, rows);
     add_row(robot, q0, q1, 2.0 / 3, {q1[0], q1[1], heading}, rows);
 }
 
-// Along a piece from a spot; lengths in radii.
-Spot along(const Spot& from, int turn, double length) {
+// The pose at a length along a segment; lengths in radii.
+PlanarPose along(const PlanarPose& from, int turn, double length) {
     double s, c;
     sin_cos(from.yaw, s, c);
     if (turn == 0) return {from.x + length * c, from.y + length * s, from.yaw};
@@ -48,24 +50,24 @@ Spot along(const Spot& from, int turn, double length) {
     return {from.x + turn * (s1 - s), from.y - turn * (c1 - c), yaw};
 }
 
-void drive(const Robot& robot, const Steering& steering, const double* q0, const double* q1,
-           std::vector<double>& rows) {
+void car_legs(const Robot& robot, const Steering& steering, const double* q0, const double* q1,
+              std::vector<double>& rows) {
     double s, c;
     sin_cos(q0[2], s, c);
     const double r = steering.radius, dx = (q1[0] - q0[0]) / r, dy = (q1[1] - q0[1]) / r;
     const double x = c * dx + s * dy, y = c * dy - s * dx, yaw = q1[2] - q0[2];
-    const std::vector<CarPiece> pieces = steering.way == Way::dubins ? dubins(x, y, yaw) : reeds_shepp(x, y, yaw);
+    const CarPath segments = steering.method == SteeringMethod::dubins ? dubins(x, y, yaw) : reeds_shepp(x, y, yaw);
     double total = 0, done = 0;
-    for (const CarPiece& p : pieces) total += std::fabs(p.length);
-    Spot at{0, 0, q0[2]};
-    for (size_t i = 0; i < pieces.size(); ++i) {
-        const CarPiece& p = pieces[i];
-        const int n = p.turn ? std::max(1, static_cast<int>(std::ceil(std::fabs(p.length) / chord))) : 1;
+    for (const PathSegment& p : segments) total += std::fabs(p.length);
+    PlanarPose at{0, 0, q0[2]};
+    for (size_t i = 0; i < segments.size(); ++i) {
+        const PathSegment& p = segments[i];
+        const int n = p.turn ? std::max(1, static_cast<int>(std::ceil(std::fabs(p.length) / max_chord))) : 1;
         for (int k = 1; k <= n; ++k) {
-            if (i + 1 == pieces.size() && k == n) return;  // there
-            const Spot spot = along(at, p.turn, p.length * k / n);
+            if (i + 1 == segments.size() && k == n) return;  // q1
+            const PlanarPose next = along(at, p.turn, p.length * k / n);
             const double t = (done + std::fabs(p.length) * k / n) / total;
-            add_row(robot, q0, q1, t, {q0[0] + r * spot.x, q0[1] + r * spot.y, spot.yaw}, rows);
+            add_row(robot, q0, q1, t, {q0[0] + r * next.x, q0[1] + r * next.y, next.yaw}, rows);
         }
         at = along(at, p.turn, p.length);
         done += std::fabs(p.length);
@@ -76,11 +78,11 @@ void drive(const Robot& robot, const Steering& steering, const double* q0, const
 
 void legs(const Robot& robot, const Steering& steering, const double* q0, const double* q1, std::vector<double>& rows) {
     rows.assign(q0, q0 + robot.nq());
-    switch (steering.way) {
-        case Way::straight: break;
-        case Way::turn_drive_turn: turn_drive_turn(robot, steering.reverse, q0, q1, rows); break;
-        case Way::dubins:
-        case Way::reeds_shepp: drive(robot, steering, q0, q1, rows);
+    switch (steering.method) {
+        case SteeringMethod::straight: break;
+        case SteeringMethod::turn_drive_turn: turn_drive_turn(robot, steering.reverse, q0, q1, rows); break;
+        case SteeringMethod::dubins:
+        case SteeringMethod::reeds_shepp: car_legs(robot, steering, q0, q1, rows);
     }
     rows.insert(rows.end(), q1, q1 + robot.nq());
 }

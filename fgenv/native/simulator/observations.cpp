@@ -89,7 +89,7 @@ void Simulator::observe(int32_t e, float* rows) const {
         const Agent& agent = agents_[i];
         const Runner& runner = episode.runners[i];
         bodies.bases.push_back(base_frame(agent, runner.q.data()));
-        bodies.velocities.push_back(rotate(bodies.bases.back(), velocity_of(agent.drive, runner.action.data())));
+        bodies.velocities.push_back(rotate(bodies.bases.back(), base_velocity(agent.drive, runner.action.data())));
     }
     const Senses& s = settings_.senses;
     for (int32_t i = 0; i < n_agents(); ++i) {
@@ -117,7 +117,7 @@ Rigid Simulator::base_frame(const Agent& agent, const double* q) const {
 void Simulator::sense_goal(const Agent& agent, const Runner& runner, float*& out) const {
     const double *q = runner.q.data(), *goal = runner.goal.data();
     if (agent.base()) {
-        const Offset o = offset_to(*agent.robot, q, goal);
+        const Offset o = base_offset(*agent.robot, q, goal);
         for (int32_t k = 0; k < agent.axes(); ++k) write(out, o.by[k]);
         if (agent.base() == 3) {
             double s, c;
@@ -137,7 +137,7 @@ void Simulator::sense_goal(const Agent& agent, const Runner& runner, float*& out
 void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out) const {
     const std::vector<double> point = ahead_on(agent, runner.path, runner.q.data(), settings_.senses.look_ahead);
     if (agent.base()) {
-        const Offset o = offset_to(*agent.robot, runner.q.data(), point.data());
+        const Offset o = base_offset(*agent.robot, runner.q.data(), point.data());
         for (int32_t k = 0; k < agent.axes(); ++k) write(out, o.by[k]);
     } else {
         for (int32_t k = 0; k < agent.axes(); ++k)
@@ -213,7 +213,8 @@ void Simulator::sense_lidar(const Episode& episode, int32_t i, const Rigid& base
 }
 
 void Simulator::toward(int32_t e, int32_t i, const double* target, double* action) const {
-    fgenv::toward(*agents_[i].robot, agents_[i].drive, episodes_[e]->runners[i].q.data(), target, settings_.dt, action);
+    approach_command(*agents_[i].robot, agents_[i].drive, episodes_[e]->runners[i].q.data(), target, settings_.dt,
+                     action);
 }
 
 }  // namespace fgenv

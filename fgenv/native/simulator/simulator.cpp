@@ -3,12 +3,13 @@
 
 #include <algorithm>
 
+#include "math/constants.h"
+
 namespace fgenv {
 namespace {
 
 constexpr int tries = 1000;    // for the place of one robot
 constexpr double room = 0.02;  // meters that a robot of one shape, put at random, is apart from all else
-constexpr double pi = 3.14159265358979323846;
 
 // Angles in [-pi, pi], quaternions of length 1: what a robot that rests is left at.
 std::vector<double> canonical(const Robot& robot, const std::vector<double>& q) {
@@ -67,7 +68,7 @@ int32_t Simulator::robot_of(BodyId body) const {
 
 int32_t Simulator::action_size(int32_t i) const {
     const Agent& agent = agents_[i];
-    return settings_.way_points ? way_point_size(*agent.robot, agent.drive) : agent.drive.n_actions();
+    return settings_.way_points ? waypoint_size(*agent.robot, agent.drive) : agent.drive.n_actions();
 }
 
 void Simulator::reset(int32_t e, const uint64_t* seed) {

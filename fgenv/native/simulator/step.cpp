@@ -59,14 +59,14 @@ bool Simulator::drive(Episode& episode, int32_t i, const double* asked, Place& t
     if (settings_.way_points) {
         to_way_point.resize(agent.drive.n_actions());
         std::vector<double> target(runner.q.size());
-        way_point(*agent.robot, agent.drive, runner.q.data(), asked, settings_.way_point_seconds, target.data());
-        fgenv::toward(*agent.robot, agent.drive, runner.q.data(), target.data(), settings_.dt, to_way_point.data());
+        waypoint_target(*agent.robot, agent.drive, runner.q.data(), asked, settings_.way_point_seconds, target.data());
+        approach_command(*agent.robot, agent.drive, runner.q.data(), target.data(), settings_.dt, to_way_point.data());
         asked = to_way_point.data();
         set_path(episode, i, {runner.q, std::move(target)});
     }
-    limited(agent.drive, asked, runner.action.data(), settings_.dt, runner.action.data());
+    limit_action(agent.drive, asked, runner.action.data(), settings_.dt, runner.action.data());
     to.q.resize(runner.q.size());
-    drive_on(*agent.robot, agent.drive, runner.action.data(), runner.q.data(), settings_.dt, to.q.data());
+    drive_forward(*agent.robot, agent.drive, runner.action.data(), runner.q.data(), settings_.dt, to.q.data());
     return to.q != runner.q;
 }
 

@@ -10,7 +10,7 @@ Checker::Checker(const World& world, std::vector<Member> members, const MotionSe
     for (const Member& m : members_) {
         ids_.push_back(m.id);
         size_ += m.size;
-        straight_ &= m.steering.way == Way::straight;
+        straight_ &= m.steering.method == SteeringMethod::straight;
     }
 }
 
@@ -67,7 +67,7 @@ bool Checker::free(const double* from, const double* to) {
         const Member& m = members_[i];
         if (!m.model) continue;
         legs(*m.model, m.steering, from_[i].q.data(), to_[i].q.data(), legs_[i]);
-        if (m.steering.way == Way::straight) continue;
+        if (m.steering.method == SteeringMethod::straight) continue;
         for (size_t row = 0; row < legs_[i].size(); row += m.model->nq())
             for (int axis = 0; axis < 2; ++axis)
                 if (legs_[i][row + axis] < m.room[0][axis] || legs_[i][row + axis] > m.room[1][axis]) return false;

@@ -9,6 +9,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from fgenv import _core
 from fgenv.arrays import Flags, Floats
 
 from ..configuration_space import ConfigurationSpace
@@ -101,6 +102,40 @@ class Drive(ABC):
         """Values of `limits` for actions (..., size): (..., limits)."""
         values = [part.part_values(a) for part, a in self._split(robot, actions)]
         return np.concatenate(values, axis=-1)
+
+    def native(self, robot: ConfigurationSpace) -> _core.Drive:
+        """The drive of a robot in the native core."""
+        own = self.base_drive
+        limits = np.array([(a.low, a.high, a.rate) for a in self.actions(robot)]).reshape(-1, 3)
+        bounds = {"lower": robot.lower.tolist(), "upper": robot.upper.tolist()}
+        return _core.Drive(own.native_kind, list(own.native_parameters()), limits, **bounds)
+
+    def forward(self, robot: ConfigurationSpace, q: Floats, actions: Floats, dt: float) -> Floats:
+        """Configurations after dt seconds from q (..., nq): the forward model.
+
+        The base moves on the arc of a velocity that is constant in its frame; coordinates stop at
+        their limits.
+
+        Args:
+            robot: the robot.
+            q: configurations (..., nq).
+            actions: in their own units, (..., size).
+            dt: seconds.
+        """
+        return self.native(robot).forward(robot._core, actions, q, dt)
+
+    def limited(
+        self, robot: ConfigurationSpace, commands: Floats, before: Floats, dt: float
+    ) -> Floats:
+        """Actions in force, in their own units, for commands in [-1, 1]: (..., size).
+
+        Args:
+            robot: the robot.
+            commands: (..., size), from -1 to 1 of the limits of `actions`.
+            before: actions of the step before, in their own units, of the same shape.
+            dt: seconds.
+        """
+        return self.native(robot).limit(commands, before, dt)
 
     def limit_violations(
         self, robot: ConfigurationSpace, actions: Floats, before: Floats, dt: float, slack: float

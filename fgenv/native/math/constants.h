@@ -1,0 +1,7 @@
+#pragma once
+
+namespace fgenv {
+
+constexpr double pi = 3.14159265358979323846;
+
+}  // namespace fgenv
