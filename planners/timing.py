@@ -1,7 +1,7 @@
 """Timed paths: configurations at each step, within limits of speed and acceleration.
 
-In each step a robot moves straight from one configuration to the next, which is the motion that
-`env.step` executes and that a certificate verifies. A robot stops at a waypoint where its direction
+In each step a robot moves straight from one configuration to the next: `env.step` executes this
+motion, and a certificate verifies it. A robot stops at a waypoint where its direction
 changes. Ruckig (L. Berscheid and T. Kroeger, "Jerk-limited real-time trajectory generation with
 arbitrary target states", 2021) computes the profile along each stretch between stops: offline, in
 closed form, with a duration of whole steps, and without leaving the straight line. TOPP-RA needs a

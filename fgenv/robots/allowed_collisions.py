@@ -56,7 +56,7 @@ def allowed_parts(tree: KinematicTree, allowed: LinkPairs) -> tuple[tuple[int, i
 def self_collisions(
     tree: KinematicTree, skipped: Iterable[tuple[int, int]], q: ArrayLike
 ) -> LinkPairs:
-    """Pairs of links whose shapes collide at a configuration (nq,), but for skipped pairs of parts.
+    """Pairs of links with colliding shapes at a configuration (nq,); some parts are skipped.
 
     Raises:
         ValueError: more than one configuration.

@@ -41,8 +41,8 @@ class Robot(ConfigurationSpace):
         workspace: bounds of the base's position: (low, high), (2, 2) for `planar`, (2, 3) for
             `free`, meters; None: infinite.
         drive: meaning and limits of an action; None: only configurations move the robot.
-        allowed: pairs of links whose contact is no collision. Adjacent links, and links that do
-            not move relative to each other, are added.
+        allowed: pairs of links that may touch. Adjacent links, and links that do not move relative
+            to each other, are added.
 
     Raises:
         ValueError, TypeError: an invalid argument, with the value received and the one expected.
@@ -117,7 +117,7 @@ class Robot(ConfigurationSpace):
             collision: True: use the links' collision geometry; False: their visual geometry.
             package_dirs: folders in which `package://NAME/...` is searched first: folders of
                 packages, or packages; then ROS_PACKAGE_PATH and the folders above the file.
-            srdf: a file with pairs of links whose collisions are disabled.
+            srdf: a file that disables collisions of pairs of links.
             scale: factor of all lengths.
             error: meters by which the mesh of a cylinder or sphere, which encloses it, may exceed
                 it.
@@ -187,11 +187,11 @@ class Robot(ConfigurationSpace):
 
     @cached_property
     def allowed_parts(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of indices in `parts` whose contact is no collision, each in rising order."""
+        """Pairs of indices in `parts` that may touch, each in rising order."""
         return allowed_collisions.allowed_parts(self, tuple(self.allowed))
 
     def self_collisions(self, q: ArrayLike | None = None) -> tuple[tuple[str, str], ...]:
-        """Pairs of links, except allowed ones, whose shapes collide at a configuration (nq,).
+        """Pairs of links, except allowed ones, that collide at a configuration (nq,).
 
         Args:
             q: None: `rest`. Links that touch by design are allowed by
@@ -201,7 +201,7 @@ class Robot(ConfigurationSpace):
         return allowed_collisions.self_collisions(self, self.allowed_parts, at)
 
     def with_allowed_collisions(self, pairs: Iterable[tuple[str, str]]) -> Robot:
-        """A copy with more pairs of links whose contact is no collision."""
+        """A copy with more pairs of links that may touch."""
         return self.replace(allowed=(*self.allowed, *pairs))
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Drives say what an action is, and which robots they fit."""
+"""Drives: their actions and limits, and the robots that they fit."""
 
 from __future__ import annotations
 
@@ -133,6 +133,6 @@ FAULTS: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("make", "message"), FAULTS, ids=[m for _, m in FAULTS])
-def test_limits_that_make_no_sense_are_refused(make: Any, message: str) -> None:
+def test_invalid_limits_are_errors(make: Any, message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         make()

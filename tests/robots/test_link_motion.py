@@ -1,4 +1,4 @@
-"""Motions of links: what certified checks are told of them holds."""
+"""Motions of links: their bounds, which certified checks use, hold."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ pytestmark = [
 
 
 class Way:
-    """A random robot on its way between two random configurations, some joints standing still."""
+    """A random motion of a random robot; some joints rest."""
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(seed)
@@ -39,7 +39,7 @@ class Way:
         return self.robot.link_motion(self.link, self.q0, self.q1, t, offset=self.offset)
 
     def bound(self, radius: float) -> float:
-        """How much a point this far from the origin accelerates at most."""
+        """Upper bound of the acceleration of a point at this distance from the origin."""
         motion = self.at(0.0)
         at_origin, by_radius = motion.acceleration_at_origin, motion.acceleration_by_radius
         return float(at_origin + radius * by_radius)
@@ -74,7 +74,7 @@ def test_velocity_is_the_derivative_of_the_pose(seed: int) -> None:
 
 @given(SEEDS)
 def test_no_point_accelerates_beyond_the_bound(seed: int) -> None:
-    """A second difference is a mean of the acceleration, so the bound holds for it as it is."""
+    """A second difference is a mean of the acceleration, so that the bound holds for it."""
     way = Way(seed)
     h = 1e-3
     t = way.rng.uniform(h, 1 - h, 40)
@@ -88,7 +88,7 @@ def test_no_point_accelerates_beyond_the_bound(seed: int) -> None:
 
 
 @given(SEEDS)
-def test_no_link_turns_farther_than_told(seed: int) -> None:
+def test_no_link_turns_beyond_the_bound(seed: int) -> None:
     way = Way(seed)
     motion = way.at(np.linspace(0, 1, 30))
     assert (np.linalg.norm(motion.angular_velocity, axis=-1) <= motion.turn + 1e-12).all()
@@ -115,7 +115,7 @@ def test_a_part_of_a_motion_is_that_part(seed: int) -> None:
 
 
 def chain(*joints: Joint) -> Robot:
-    """Links l0, l1, ... one after the other."""
+    """A chain of links l0, l1, ..."""
     return Robot("chain", [Link(f"l{i}") for i in range(len(joints) + 1)], joints)
 
 
@@ -128,7 +128,7 @@ def step(i: int, kind: str, x: float, y: float, z: float, axis: str = "z") -> Jo
 
 
 def bounds(robot: Robot, q1: list[float]) -> tuple[float, float, float]:
-    """Of the last link: acceleration at the origin, by radius, turn."""
+    """Bounds of the last link: acceleration at the origin, by radius, turn."""
     motion = robot.link_motion(len(robot.links) - 1, robot.rest, q1)
     out = motion.acceleration_at_origin, motion.acceleration_by_radius, motion.turn
     return tuple(map(float, out))  # type: ignore[return-value]
@@ -175,7 +175,7 @@ def test_a_base_moves_as_a_rigid_motion(base: str) -> None:
 
 
 @pytest.mark.parametrize("path", URDFS[:3], ids=lambda path: path.split("/")[-1])
-def test_the_bound_is_not_far_from_what_real_arms_do(path: str) -> None:
+def test_the_bound_is_close_for_real_arms(path: str) -> None:
     robot = real(path)
     rng = np.random.default_rng(0)
     low, high = np.maximum(robot.lower, -3), np.minimum(robot.upper, 3)

@@ -1,4 +1,4 @@
-"""Robots: their poses and ways between configurations, against closed forms and other libraries."""
+"""Robots: poses and motions, against closed forms and other libraries."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def shift(x: float, y: float, z: float) -> Floats:
 
 
 def configurations(robot: Robot, count: int, seed: int = 0) -> Floats:
-    """Within the limits, and within 3 where there are none."""
+    """Random configurations within the limits, and within 3 without limits."""
     low, high = np.maximum(robot.lower, -3.0), np.minimum(robot.upper, 3.0)
     return np.random.default_rng(seed).uniform(low, np.maximum(low, high), (count, robot.nq))
 
@@ -52,7 +52,7 @@ def configurations(robot: Robot, count: int, seed: int = 0) -> Floats:
 
 
 class Pinocchio:
-    """The same file in pinocchio, which takes mimic joints for joints of their own."""
+    """The same file in pinocchio, which gives mimic joints coordinates of their own."""
 
     def __init__(self, path: str, robot: Robot) -> None:
         self.model = pinocchio.buildModelFromUrdf(str(urdf(path)))
@@ -79,7 +79,7 @@ class Pinocchio:
 
 
 @pytest.mark.parametrize("path", URDFS, ids=lambda path: path.split("/")[-1])
-def test_links_of_real_robots_are_where_pinocchio_has_them(path: str) -> None:
+def test_links_of_real_robots_agree_with_pinocchio(path: str) -> None:
     robot = real(path)
     other = Pinocchio(path, robot)
     for q in configurations(robot, 10):
@@ -91,7 +91,7 @@ BROKEN = {"alex_psyonic_hands.urdf": "no such joint", "ur3.urdf": "has no name"}
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*no collision geometry:UserWarning")
-def test_every_file_of_example_robot_data_is_as_pinocchio_has_it() -> None:
+def test_every_file_of_example_robot_data_agrees_with_pinocchio() -> None:
     root = urdf(".")
     for file in sorted(root.rglob("*.urdf")):
         path = str(file.relative_to(root))
@@ -109,7 +109,7 @@ def test_every_file_of_example_robot_data_is_as_pinocchio_has_it() -> None:
 
 @given(SEEDS)
 def test_a_tree_is_the_product_of_its_joints(seed: int) -> None:
-    """Against the textbook's matrices, multiplied by NumPy."""
+    """Forward kinematics agrees with a product of textbook matrices in NumPy."""
     rng = np.random.default_rng(seed)
     robot = random_tree(rng)
     q = robot.random(rng)
@@ -203,7 +203,7 @@ def states(space: ob.StateSpace, count: int) -> tuple[list[Any], Any]:
     return [information.allocState() for _ in range(count)], information
 
 
-def test_planar_way_is_that_of_ompl() -> None:
+def test_planar_interpolation_agrees_with_ompl() -> None:
     robot = Robot("cart", [Link("body")], base="planar")
     space = ob.SE2StateSpace()
     bounds = ob.RealVectorBounds(2)
@@ -224,7 +224,7 @@ def test_planar_way_is_that_of_ompl() -> None:
         np.testing.assert_allclose(robot.interpolate(q0, q1, t), expected, rtol=0, atol=1e-9)
 
 
-def test_free_way_is_that_of_ompl() -> None:
+def test_free_interpolation_agrees_with_ompl() -> None:
     robot = Robot("drone", [Link("body")], base="free", workspace=ROOM["free"])
     space = ob.SE3StateSpace()
     (a, b, c), _keep = states(space, 3)
@@ -241,8 +241,8 @@ def test_free_way_is_that_of_ompl() -> None:
         np.testing.assert_allclose(robot.interpolate(q0, q1, t), expected, rtol=0, atol=1e-9)
 
 
-def test_way_of_joints_is_that_of_ompl() -> None:
-    """Bounded, without end, bounded: a compound of RealVector, SO2, RealVector."""
+def test_joint_interpolation_agrees_with_ompl() -> None:
+    """Bounded, continuous, bounded joints: a compound of RealVector, SO2, RealVector."""
     kinds = ("revolute", "continuous", "prismatic")
     joints = [
         Joint(f"j{i}", kind, f"l{i}", f"l{i + 1}", lower=-3.0, upper=3.0)
@@ -267,7 +267,7 @@ def test_way_of_joints_is_that_of_ompl() -> None:
 
 
 @given(SEEDS)
-def test_way_begins_and_ends_where_it_should(seed: int) -> None:
+def test_interpolation_begins_and_ends_at_its_arguments(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_tree(rng)
     q0, q1 = robot.random(rng, 2)
@@ -277,7 +277,7 @@ def test_way_begins_and_ends_where_it_should(seed: int) -> None:
 
 
 @given(SEEDS)
-def test_no_point_moves_farther_than_the_distance(seed: int) -> None:
+def test_no_point_moves_beyond_the_displacement_bound(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_tree(rng)
     q0, q1 = robot.random(rng, 2)
@@ -292,7 +292,7 @@ def test_no_point_moves_farther_than_the_distance(seed: int) -> None:
 
 
 def test_small_turns_are_not_lost() -> None:
-    """OMPL takes orientations nearer than 9e-5 rad for equal; a certified motion may not."""
+    """OMPL treats orientations closer than 9e-5 rad as equal; a certified motion must not."""
     robot = Robot("drone", [Link("body")], base="free")
     for angle in (1e-3, 1e-6, 1e-9, 1e-12):
         q1 = [0, 0, 0, math.sin(angle / 2), 0, 0, math.cos(angle / 2)]
@@ -337,14 +337,14 @@ def test_random_orientations_are_uniform() -> None:
     assert robot.valid(robot.clip(q * 2)).all()
 
 
-def test_random_without_limits_says_what_to_give() -> None:
+def test_random_without_limits_is_an_error() -> None:
     with pytest.raises(
         ValueError, match="got no limits of 'x' of 'cart', expected finite ones; give workspace="
     ):
         Robot("cart", [Link("body")], base="planar").random(np.random.default_rng(0))
 
 
-def test_weights_are_reaches() -> None:
+def test_weights_follow_from_reach() -> None:
     joints = [
         Joint("a", "revolute", "l0", "l1", shift(1, 0, 0), lower=-1, upper=1),
         Joint("b", "prismatic", "l1", "l2", shift(0.5, 0, 0), lower=-0.1, upper=0.2),
@@ -356,7 +356,7 @@ def test_weights_are_reaches() -> None:
 
 
 def test_neighbors_are_allowed_to_touch() -> None:
-    """Joined links, also through links without shapes, and what fixed joints make one."""
+    """Adjacent links, also through links without shapes, and rigidly connected links."""
     joints = [
         Joint("1", "revolute", "a", "empty"),
         Joint("2", "revolute", "empty", "b"),
@@ -465,12 +465,12 @@ FAULTS: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("make", "message"), FAULTS, ids=[m for _, m in FAULTS])
-def test_a_model_that_makes_no_sense_is_an_error(make: Any, message: str) -> None:
+def test_an_invalid_model_is_an_error(make: Any, message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         make()
 
 
-def test_half_a_turn_of_what_goes_round_is_no_pose() -> None:
+def test_a_fraction_of_a_continuous_joint_is_no_pose() -> None:
     joints = [
         joint("wheel", "continuous"),
         joint("gear", parent="a", child="c", mimic=Mimic("wheel", 0.5)),
@@ -497,13 +497,13 @@ def test_half_a_turn_of_what_goes_round_is_no_pose() -> None:
         ([[0, 0, 0], [0]], "q: rows of different lengths"),
     ],
 )
-def test_a_configuration_that_makes_no_sense_is_an_error(q: Any, message: str) -> None:
+def test_an_invalid_configuration_is_an_error(q: Any, message: str) -> None:
     robot = Robot("cart", [Link("body")], base="planar")
     with pytest.raises((ValueError, TypeError), match=message):
         robot.forward(q)
 
 
-def test_other_arguments_that_make_no_sense() -> None:
+def test_other_invalid_arguments() -> None:
     robot = Robot("cart", [Link("body")], base="planar")
     q = np.zeros(3)
     with pytest.raises(ValueError, match=r"t is 1.5, expected a fraction from 0 to 1"):
@@ -568,7 +568,7 @@ CORE: dict[str, Any] = {
         },
     ],
 )
-def test_the_native_model_stands_nonsense(change: dict[str, Any]) -> None:
+def test_the_native_model_rejects_invalid_arguments(change: dict[str, Any]) -> None:
     _core.Robot(**CORE).forward([0.5], None)
     with pytest.raises(ValueError, match=r"expected|parents|firsts|singular|finite"):
         _core.Robot(**{**CORE, **change})

@@ -1,4 +1,4 @@
-"""Robots from URDF: geometry, packages, allowed collisions, and what is said of bad files."""
+"""Robots from URDF: geometry, packages, allowed collisions, errors of invalid files."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ ARM = """<?xml version="1.0"?>
 
 @pytest.fixture
 def arm(tmp_path: Path) -> Path:
-    """A file of ARM with a mesh beside it."""
+    """A file with the text ARM and a mesh in its folder."""
     trimesh.creation.box((0.1, 0.2, 0.3)).apply_translation((1, 0, 0)).export(tmp_path / "hand.stl")
     return written(tmp_path, ARM.format(mesh="hand.stl", scale=""))
 
@@ -70,7 +70,7 @@ def written(folder: Path, text: str, name: str = "arm.urdf") -> Path:
     return path
 
 
-def test_all_that_a_file_says(arm: Path) -> None:
+def test_all_elements_of_a_file(arm: Path) -> None:
     robot = Robot.from_urdf(arm)
     assert robot.coordinates == ("shoulder", "slide")
     assert [link.name for link in robot.links] == ["base", "upper", "hand", "finger"]
@@ -100,7 +100,7 @@ def test_a_tolerance_is_that_of_all_shapes(arm: Path) -> None:
 
 
 def test_same_bits_on_every_machine(tmp_path: Path) -> None:
-    """Sines of origins and joints are not the C library's: the poses' bits, as first seen."""
+    """Sines of origins and joints are not the C library's: poses have their recorded bits."""
     text = ARM.replace('<mesh filename="{mesh}" {scale}/>', '<box size="1 1 1"/>')
     robot = Robot.from_urdf(written(tmp_path, text))
     t = np.arange(101)[:, None] / 100
@@ -134,8 +134,8 @@ def volume(shape: Shape) -> float:
 
 
 @pytest.mark.parametrize("followed", ["shoulder", "slide"])
-def test_a_factor_of_lengths_is_one_for_mimics_as_well(followed: str, tmp_path: Path) -> None:
-    """A slide that follows a turn, and a turn that follows a slide."""
+def test_scale_applies_to_mimics(followed: str, tmp_path: Path) -> None:
+    """A prismatic joint that mimics a revolute one, and the reverse."""
     text = ARM.replace('<mesh filename="{mesh}" {scale}/>', '<box size="1 1 1"/>')
     text = text.replace('mimic joint="slide"', f'mimic joint="{followed}"')
     if followed == "slide":
@@ -226,7 +226,7 @@ def test_srdf_allows_pairs() -> None:
 
 @pytest.mark.parametrize("radius", [0.003, 0.05, 1.0, 20.0])
 @pytest.mark.parametrize("error", [1e-4, 1e-3, 1e-2])
-def test_round_forms_are_enclosed(radius: float, error: float) -> None:
+def test_round_shapes_are_enclosed(radius: float, error: float) -> None:
     for shape, excess in (
         primitives.sphere(radius, error),
         primitives.cylinder(radius, 2 * radius, error),
@@ -243,8 +243,8 @@ def test_round_forms_are_enclosed(radius: float, error: float) -> None:
         assert excess <= error or round_as_can_be
 
 
-def test_a_ball_touches_what_the_sphere_touches() -> None:
-    """The inscribed one would call this free."""
+def test_a_sphere_mesh_touches_like_the_sphere() -> None:
+    """The inscribed mesh would be free here."""
     from fgenv.collision import collide
 
     ball, _ = primitives.sphere(0.1)
@@ -322,7 +322,9 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), FAULTS, ids=[m[2][:40] for m in FAULTS])
-def test_a_bad_file_is_told(old: str, new: str, message: str, tmp_path: Path, arm: Path) -> None:
+def test_an_invalid_file_is_an_error(
+    old: str, new: str, message: str, tmp_path: Path, arm: Path
+) -> None:
     text = ARM.format(mesh="hand.stl", scale="")
     assert old in text
     bad = written(tmp_path, text.replace(old, new, 1), "bad.urdf")
@@ -351,7 +353,7 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
         Robot.from_urdf(arm, error=0)
 
 
-def test_a_robot_that_could_meet_nothing_is_told_of(tmp_path: Path) -> None:
+def test_a_robot_without_collision_geometry_warns(tmp_path: Path) -> None:
     ball = "<visual><geometry><sphere radius='1'/></geometry></visual>"
     path = written(tmp_path, f"<robot name='r'><link name='a'>{ball}</link></robot>")
     with pytest.warns(UserWarning, match="no collision geometry, so that nothing collides; give"):
@@ -359,13 +361,13 @@ def test_a_robot_that_could_meet_nothing_is_told_of(tmp_path: Path) -> None:
     assert len(Robot.from_urdf(path, collision=False).parts) == 1
 
 
-def test_unknown_prefixes_are_passed_by(tmp_path: Path, arm: Path) -> None:
-    """As old files for Gazebo have them."""
+def test_unknown_prefixes_are_skipped(tmp_path: Path, arm: Path) -> None:
+    """Unknown prefixes, as in old files for Gazebo."""
     text = ARM.format(mesh="hand.stl", scale="").replace("</robot>", "<sensor:ray/></robot>")
     assert Robot.from_urdf(written(tmp_path, text)).dof == 2
 
 
-def test_without_yourdfpy_the_remedy_is_told(arm: Path) -> None:
+def test_without_yourdfpy_the_error_has_a_remedy(arm: Path) -> None:
     code = (
         "import sys; sys.modules['yourdfpy'] = None\n"
         "from fgenv.robots import Robot\n"

@@ -1,4 +1,4 @@
-"""Robots in a world: configurations wherever a body has poses, against their own kinematics."""
+"""Robots in a world: queries by configurations, against the robots' kinematics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ pytestmark = [
 
 
 def arm(links: int = 3, length: float = 0.5, name: str = "arm") -> Robot:
-    """Bars in a row in the plane, each turning about the end of the one before."""
+    """A planar chain of bars, each of which turns about the end of its predecessor."""
     bar = Shape(*box(length * 0.9, 0.05, 0.05))
     middle = at(length / 2)
     bodies = [Link(f"link{i}", [LinkShape(bar, middle)]) for i in range(links)]
@@ -41,7 +41,7 @@ def arm(links: int = 3, length: float = 0.5, name: str = "arm") -> Robot:
 
 
 class Scene:
-    """A robot among cubes, and what it should meet by its forward kinematics, pair by pair."""
+    """A robot among cubes, with its expected collisions by forward kinematics, pair by pair."""
 
     def __init__(self, rng: np.random.Generator, robot: Robot, reach: float, count: int = 6):
         self.robot, self.world = robot, World()
@@ -60,7 +60,7 @@ class Scene:
         return [poses[..., part.link, :, :] @ part.origin for part in self.robot.parts]
 
     def hit(self, q: Floats) -> Any:
-        """Whether it collides at configurations (..., nq)."""
+        """Whether the robot collides at configurations (..., nq)."""
         placed = self.parts_at(q)
         out = np.zeros(q.shape[:-1], bool)
         shapes = [part.shape for part in self.robot.parts]
@@ -79,7 +79,7 @@ def with_shapes(rng: np.random.Generator) -> Robot:
 
 
 @given(SEEDS)
-def test_collides_where_kinematics_say(seed: int) -> None:
+def test_collides_agrees_with_kinematics(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scene = Scene(rng, with_shapes(rng), 1.0)
     q = scene.robot.random(rng, 40)
@@ -111,7 +111,7 @@ def test_clearance_is_the_distance_of_the_nearest_part(seed: int) -> None:
 
 @given(SEEDS)
 def test_a_motion_is_that_of_the_whole_tree(seed: int) -> None:
-    """Free means free wherever one looks; a contact is where one looks, and not before."""
+    """A free motion is free at all samples; a contact is at its fraction, and not before."""
     rng = np.random.default_rng(seed)
     scene = Scene(rng, with_shapes(rng), 1.2)
     robot = scene.robot
@@ -132,7 +132,7 @@ def test_a_motion_is_that_of_the_whole_tree(seed: int) -> None:
 
 
 def test_a_link_runs_into_the_robot_itself() -> None:
-    """Four bars that roll up: the last meets the first where the triangle closes."""
+    """Four bars that roll up: the last collides with the first at the closed triangle."""
     robot = arm(4)
     world = World()
     world.add_robot(robot)
@@ -174,7 +174,7 @@ def test_a_robot_of_one_body_is_that_body(base: str) -> None:
     )
 
 
-def test_what_a_hand_carries_goes_with_its_link() -> None:
+def test_a_carried_body_moves_with_its_link() -> None:
     robot = arm(2)
     world = World()
     world.add_robot(robot)
@@ -202,7 +202,7 @@ def test_what_a_hand_carries_goes_with_its_link() -> None:
 
 
 def test_two_arms_move_at_once() -> None:
-    """Against each other's motion, whether asked together or one by its trajectory."""
+    """Motions of two robots, checked together or with one as a trajectory."""
     rng = np.random.default_rng(3)
     robot = arm(3)
     world = World()
@@ -228,7 +228,7 @@ def test_two_arms_move_at_once() -> None:
     assert 5 < met < 35
 
 
-def test_masks_hide_nothing_from_a_robot() -> None:
+def test_masks_hide_no_collision_of_a_robot() -> None:
     for seed in range(20):
         rng = np.random.default_rng(seed)
         robot = with_shapes(rng)
@@ -292,7 +292,7 @@ def test_a_copy_has_the_same_robots(how: str) -> None:
     assert [twin.mask(i) for i in twin.ids] == [world.mask(i) for i in world.ids]
 
 
-def test_what_is_wrong_is_told() -> None:
+def test_invalid_calls_are_errors() -> None:
     world = World()
     robot = arm(2)
     world.add_robot(robot)

@@ -36,8 +36,8 @@ def in_base_frame(q: Floats, vector: Floats) -> Floats:
 def turning_leg(length: float, turn: float, speed: float, acceleration: float) -> LegLimit:
     """Limit of a straight leg of `length` meters on which the body turns.
 
-    In the frame of the body a constant velocity turns, which is an acceleration: half of the limit
-    is reserved for it.
+    A constant velocity rotates in the frame of the body, which is an acceleration: half of the
+    limit is reserved for it.
     """
     if turn <= ZERO or length <= ZERO or math.isinf(acceleration):
         return LegLimit(length, speed, acceleration)
@@ -46,7 +46,7 @@ def turning_leg(length: float, turn: float, speed: float, acceleration: float) -
 
 
 def lookahead(speed: Floats, rate: Floats, dt: float) -> Floats:
-    """Distance to a target that keeps a signed speed whose change per step is at most `rate`."""
+    """Distance to a target that keeps a signed speed; `rate` limits its change per step."""
     v = np.abs(speed)
     steps = np.where(np.isfinite(rate), v / np.where(rate > 0, rate, 1.0), 0.0)
     return np.asarray(np.sign(speed) * np.maximum(v * dt, 0.5 * dt * v * (steps + 1.0)))

@@ -95,7 +95,7 @@ class Drive(ABC):
         return tuple(action for part in self.parts for action in part.part_actions(robot))
 
     def limits(self, robot: ConfigurationSpace) -> tuple[Action, ...]:
-        """Quantities whose values and rates the drive limits; see `limited_values`."""
+        """Quantities that the drive limits, with their rates; see `limited_values`."""
         return tuple(limit for part in self.parts for limit in part.part_limits(robot))
 
     def limited_values(self, robot: ConfigurationSpace, actions: Floats) -> Floats:
@@ -140,7 +140,7 @@ class Drive(ABC):
     def limit_violations(
         self, robot: ConfigurationSpace, actions: Floats, before: Floats, dt: float, slack: float
     ) -> tuple[Flags, Flags]:
-        """Flags of `limits` whose value, and whose rate, actions (..., size) exceed: (..., limits).
+        """Flags of `limits` that actions (..., size) exceed, by value and by rate: (..., limits).
 
         Args:
             robot: the robot.
@@ -225,7 +225,7 @@ class Drive(ABC):
     def waypoint_toward(
         self, robot: ConfigurationSpace, q: Floats, target: Floats, seconds: float
     ) -> Floats:
-        """Waypoint actions in [-1, 1] straight toward targets, at most as far as speeds reach.
+        """Waypoint actions in [-1, 1] straight toward targets, within the reach at full speed.
 
         Args:
             robot: the robot.

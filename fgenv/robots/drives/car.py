@@ -100,7 +100,7 @@ class Car(Platform):
         return place, np.zeros(len(actions)), actions[:, 0] > -STANDSTILL
 
     def _pursued_course(self, distance: Floats, steering: Floats) -> Floats:
-        """Direction (rad) of a point whose pursuit gives the steering angle.
+        """Direction (rad) of the point that gives the steering angle by pursuit.
 
         The car pursues a point half as far before it:
         tan(steering) = 2 wheelbase sin(course) / (distance (1.25 - cos(course))).
