@@ -19,7 +19,7 @@ from fgenv.scenarios.drive_specs import DriveSpec
 
 DT = 0.1
 SAMPLES = 300
-VALUES = {"m": 0.3, "m/s": 1.0, "rad/s": 2.0}  # of required fields, by unit
+VALUES = {"m": 1.0, "m/s": 1.0, "rad/s": 2.0}  # of required fields, by unit
 ACCELERATION = 1.5
 NESTED = {Platform: DifferentialDrive(1.0, 2.0), JointVelocity: JointVelocity()}
 
@@ -31,8 +31,9 @@ def example(kind: str, limited: bool) -> Drive:
         about = getattr(hints[item.name], "__metadata__", None)
         if about is None:
             values[item.name] = NESTED[hints[item.name]]
-        elif item.default == math.inf:
-            values[item.name] = ACCELERATION if limited else math.inf
+        elif item.default == math.inf:  # steering rates stay unlimited: paths of cars have corners
+            limited_field = limited and about[0].unit.endswith("^2")
+            values[item.name] = ACCELERATION if limited_field else math.inf
         elif item.default is not None:
             values[item.name] = VALUES[about[0].unit]
     return DRIVES[kind](**values)
