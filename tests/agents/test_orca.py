@@ -224,7 +224,7 @@ def test_removed_robots_hide_no_lidar_points() -> None:
 
     def left() -> bool:
         point = (q[:, 0, None, :2] + beside).copy()
-        policy._forget_robots(1, point, q)
+        policy._remove_robots(1, point, q)
         return bool(np.isfinite(point).all())
 
     assert not left()
