@@ -995,7 +995,7 @@ for seed in range(2):
     answers = [world.contact_pairs(), world.candidates(0), world.motion_boxes(0)]
     answers += [world.collides(0, starts, margin=0.1), *world.clearance(0, starts)]
     answers += world.check_motion(0, starts, ends)
-    window = {"start_time": 0.5, "end_time": 1.5}
+    window = dict(start_time=0.5, end_time=1.5)
     answers += world.check_motion(0, starts, ends, first_contact=False, margin=0.03, **window)
     answers += world.check_motion(0, starts, ends, mode="discrete", resolution=0.05)
     for i in range(0, 80, 4):

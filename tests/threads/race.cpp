@@ -72,9 +72,9 @@ double ask(const World& w, Random& random) {
     const auto lock = reading(w);
     double sum = w.collides(robot, from, 0.5, 0.01);
     sum += w.clearance({robot}, {from}, now).distance;
-    Suspects suspects;
-    sum += w.free_at({robot}, {from}, 0.01, suspects);
-    sum += w.free_on({robot}, {from}, {to}, now_, suspects);
+    BodyPair last;
+    sum += w.free_at({robot}, {from}, 0.01, last);
+    sum += w.free_on({robot}, {from}, {to}, now_, last);
     sum += w.motions_collide(0, from, to, 4, to, from, now_);
     sum += w.check_motion(robot, from, to, now_).contact.free_until;
     sum += w.check_motion(robot, from, to, later).contact.free_until;

@@ -42,12 +42,11 @@ Hull hull_of_box(const Shape& s) {
 
 class Certifier {
 public:
-    Certifier(const Moving& a, const Moving& b, const CertifySettings& s, Contact& contact, int64_t& sweeps)
+    Certifier(const Moving& a, const Moving& b, const CertifySettings& s, MotionContact& contact)
         : a_(a),
           b_(b),
           settings_(s),
           contact_(contact),
-          sweeps_(sweeps),
           speed_(greater(s.speed, a.motion->speed(a.shape->radius) + b.motion->speed(b.shape->radius))) {}
 
     // What presses on from near contact, as robots do that have stopped at one, is told at once.
@@ -88,7 +87,6 @@ private:
 
     // Leaves in pairs_ the pairs of faces that may meet from lo to hi; capacity + 1 if there are more.
     int look(const Instant& now, double lo, double hi, int capacity, int budget_of_boxes) {
-        ++sweeps_;
         if (static_cast<int>(pairs_.size()) < capacity) pairs_.resize(capacity);
         Sweep sweep = sweep_of(a_, b_, now, 0.5 * (hi - lo), settings_.margin);
         sweep.budget = budget_of_boxes;
@@ -222,8 +220,7 @@ private:
 
     const Moving &a_, &b_;
     const CertifySettings& settings_;
-    Contact& contact_;
-    int64_t& sweeps_;
+    MotionContact& contact_;
     double speed_;  // of any point of one against any of the other, at most, and what `settings_` says
     std::vector<FacePair> pairs_;
 };
@@ -231,8 +228,8 @@ private:
 }  // namespace
 
 void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
-                  Contact& contact, int64_t& sweeps) {
-    Certifier(a, b, settings, contact, sweeps).begin(lo, hi);
+                  MotionContact& contact) {
+    Certifier(a, b, settings, contact).begin(lo, hi);
 }
 
 }  // namespace fgenv

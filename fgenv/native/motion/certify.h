@@ -18,25 +18,24 @@ struct CertifySettings {
 };
 
 // Free up to `free_until`; in contact at `shown`, NaN where the search gave up (unresolved).
-struct Contact {
+struct MotionContact {
     double free_until = 1, shown = 1;
     bool found = false;
 
     // Whether this one, found after another, is of other faces than that: not that one with less proved free.
-    bool replaces(const Contact& before) const {
+    bool replaces(const MotionContact& before) const {
         return found && (!before.found || (free_until < before.free_until && shown != before.shown));
     }
 };
 
 // Conservative advancement (X. Zhang et al., "Interactive continuous collision detection for non-convex
 // polyhedra", 2006; M. Tang et al., "C2A", 2009), in two stages: whole trees against each other at the
-// middle of a stretch of time, swept along their velocities; what is left, pairs of faces each on its own.
-// The stretch is halved where much is left.
+// middle of a stretch of time, swept along their velocities; then each remaining pair of faces on its own.
+// The stretch is halved where many pairs remain.
 //
-// Surfaces only, and free at t = lo: whoever calls has asked that, containment included. Looks no farther
-// than t = contact.free_until, and leaves there the earlier contact that it finds. Counts in `sweeps` the
-// times that two trees were walked.
+// Surfaces only, and free at t = lo: the caller has tested that, containment included. Searches up to
+// t = contact.free_until, and stores an earlier contact there.
 void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
-                  Contact& contact, int64_t& sweeps);
+                  MotionContact& contact);
 
 }  // namespace fgenv

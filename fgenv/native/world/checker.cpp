@@ -54,15 +54,15 @@ bool Checker::place(const double* state, std::vector<Place>& out) const {
 bool Checker::valid(const double* state) {
     ask();
     ++states;
-    return place(state, to_) && world_.free_at(ids_, to_, settings_.certify.margin, suspects_);
+    return place(state, to_) && world_.free_at(ids_, to_, settings_.certify.margin, last_pair_);
 }
 
 bool Checker::free(const double* from, const double* to) {
     ask();
     ++motions;
     if (!place(from, from_) || !place(to, to_)) return false;
-    if (straight_) return world_.free_on(ids_, from_, to_, settings_, suspects_);
-    if (!world_.free_at(ids_, to_, settings_.certify.margin, suspects_)) return false;
+    if (straight_) return world_.free_on(ids_, from_, to_, settings_, last_pair_);
+    if (!world_.free_at(ids_, to_, settings_.certify.margin, last_pair_)) return false;
     for (size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];
         if (!m.model) continue;
@@ -93,7 +93,7 @@ bool Checker::free(const double* from, const double* to) {
             const double* row = legs_[i].data() + k * nq;
             interpolate(*m.model, row, row + nq, lesser(t * double(n) - double(k), 1), next[i].q.data());
         }
-        if (!world_.free_on(ids_, from_, next, settings_, suspects_)) return false;
+        if (!world_.free_on(ids_, from_, next, settings_, last_pair_)) return false;
         std::swap(from_, next);
     }
     return true;

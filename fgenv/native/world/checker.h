@@ -43,7 +43,7 @@ private:
     MotionSettings settings_;
     int32_t size_ = 0;
     bool straight_ = true;
-    Suspects suspects_;
+    BodyPair last_pair_;
     std::vector<Place> from_, to_;
     std::vector<std::vector<double>> legs_;  // of each member, rows
 };

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "motion/certify.h"
@@ -28,6 +29,8 @@ struct Trajectory {
     Leg leg(double time) const;
 };
 
+using OwnPairs = std::vector<std::pair<int32_t, int32_t>>;
+
 // A body is carried by another or stands for itself; with all that it carries it is a mover. A robot's
 // bodies are the shapes of its links; they carry further bodies.
 struct Body {
@@ -40,16 +43,16 @@ struct Body {
     std::vector<int32_t> groups;
     std::vector<BodyId> allowed;  // sorted: contact with them is no collision
     BodyId carrier = -1, root;
-    int32_t link = 0;                                    // of the root, if that is a robot
-    Rigid offset = identity();                           // in the frame of the root or its link
-    bool built_in = false;                               // a shape of a robot
-    bool present = true;                                 // else nobody meets it
-    std::vector<BodyId> parts;                           // of a root: itself, then all that it carries
-    std::vector<BodyId> movers;                          // sorted: whose motion box it meets
-    std::unique_ptr<Trajectory> trajectory;              // of a root
-    std::shared_ptr<const Robot> robot;                  // of a root that is one, and
-    std::vector<double> q;                               // its configuration, and
-    std::vector<std::pair<int32_t, int32_t>> own_pairs;  // places in `parts` of those that must not meet
+    int32_t link = 0;                        // of the root, if that is a robot
+    Rigid offset = identity();               // in the frame of the root or its link
+    bool built_in = false;                   // a shape of a robot
+    bool present = true;                     // else nobody meets it
+    std::vector<BodyId> parts;               // of a root: itself, then all that it carries
+    std::vector<BodyId> movers;              // sorted: whose motion box it meets
+    std::unique_ptr<Trajectory> trajectory;  // of a root
+    std::shared_ptr<const Robot> robot;      // of a root that is one, and
+    std::vector<double> q;                   // its configuration, and
+    OwnPairs own_pairs;                      // indices in `parts` of pairs that are tested
 
     bool stands_for_itself() const { return root == id && !robot; }
     const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
@@ -80,8 +83,9 @@ constexpr double now = std::numeric_limits<double>::quiet_NaN();
 
 struct MotionSettings {
     CertifySettings certify;
-    double from = now, to = now;  // seconds at fractions 0 and 1
-    double resolution = 0;        // meters; over 0: not certified, looked at in steps
+    double from = now, to = now;   // seconds at fractions 0 and 1
+    double resolution = 0;         // meters; over 0: not certified, tested in steps
+    bool margin_to_itself = true;  // the margin also applies between a robot's own parts
 
     MotionSettings with_speed(double speed) const {
         MotionSettings out = *this;
@@ -91,10 +95,10 @@ struct MotionSettings {
 };
 
 struct MotionOutcome {
-    Contact contact;
+    MotionContact contact;
     BodyId part = -1, other = -1;
-    int64_t checks = 0;  // pairs of bodies looked at
-    int32_t masked = 0;  // bodies that the motion's mask left
+    int64_t checks = 0;  // pairs of bodies tested
+    int32_t masked = 0;  // bodies that the motion's mask leaves
 };
 
 struct Clearance {
@@ -102,8 +106,8 @@ struct Clearance {
     BodyId other = -1;
 };
 
-// Two bodies that met when last asked, and are asked first: what is in the way once is so again.
-struct Suspects {
+// Two bodies in contact. Planners test the last colliding pair first: an obstacle is often in the way again.
+struct BodyPair {
     BodyId a = -1, b = -1;
 };
 
@@ -111,6 +115,17 @@ struct WorldHit {
     double distance = HUGE_VAL;
     BodyId body = -1;
 };
+
+struct PlacedMover;
+struct SweptPart;
+struct SweptMover;
+struct InstantTest;
+enum class PairOrder : uint8_t;
+template <class Part>
+struct CandidatePair;
+
+// Number of steps of a motion whose points move up to `length` meters; throws where there are too many.
+int64_t steps_of(const MotionSettings& settings, double length);
 
 // Methods throw std::invalid_argument. Those that are const may run side by side; whoever calls holds
 // `mutex` accordingly.
@@ -170,12 +185,12 @@ public:
     // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
     // nobody. Of a motion the beginning is taken to be free. The margin is not one of a mover from itself.
     bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
-                 Suspects& suspects) const;
+                 BodyPair& last) const;
     bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
-                 const MotionSettings& settings, Suspects& suspects) const;
+                 const MotionSettings& settings, BodyPair& last) const;
     // Whether two movers that go at once are not proved apart, whatever else there is.
-    bool motions_collide(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b, const Place& to_b,
-              const MotionSettings& settings) const;
+    bool motions_collide(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b,
+                         const Place& to_b, const MotionSettings& settings) const;
     // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
     void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
               double* distances) const;
@@ -204,15 +219,19 @@ public:
     mutable FairMutex mutex;
 
 private:
-    struct Part;
-    struct Sweeping;
-    struct Fleet;
-    struct Pair;
-    struct Stander;
-    struct Meeting {  // of two movers, fractions of the whole motion
-        Contact contact;
-        BodyId of_a = -1, of_b = -1;
+    class StopSchedule;
+    struct PairContact {  // of two movers, fractions of the whole motion
+        MotionContact contact;
+        BodyPair pair;
         int64_t checks = 0;
+    };
+    struct Stretch {  // fractions of a motion
+        double begin, end;
+    };
+    struct Fleet {
+        std::vector<SweptMover> movers;               // empty for those without bodies or movers near
+        std::vector<std::vector<int32_t>> neighbors;  // of each: movers whose motions come near its own, ascending
+        std::vector<MotionOutcome> alone;             // of each: first contact with itself or bodies of no mover
     };
 
     Body& at(BodyId id);
@@ -238,29 +257,46 @@ private:
     Rigid pose_of(const Body& body, double time) const;
     Box box_of(const Body& body, double time) const;
     Box rough_box(const Body& robot, const Place& from, const Place& to, double margin) const;
-    Sweeping sweeping(const Body& robot, const Place& from, const Place& to, double margin) const;
-    bool touches_at(const Sweeping& moving, double t, const std::vector<BodyId>& others, const MotionSettings& s,
-                    MotionOutcome& out) const;
-    MotionOutcome step_through(const Sweeping& moving, const std::vector<BodyId>& others,
-                               const MotionSettings& s) const;
-    void certify(const Part& part, const Body& other, const MotionSettings& s, MotionOutcome& out) const;
-    void certify_all(const Sweeping& moving, const std::vector<BodyId>& others, const MotionSettings& s,
+    PlacedMover placed(const Body& robot, const Place& place, double margin) const;
+    SweptMover swept(const Body& robot, const Place& from, const Place& to, double margin) const;
+    template <class Mover, class Visit>
+    bool pairs_between(const Mover& a, int32_t index_a, const Mover& b, int32_t index_b, const Visit& visit) const;
+    template <class Mover, class BoxOf, class Visit>
+    bool pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, PairOrder order,
+                           const BoxOf& box_of, const Visit& visit) const;
+    template <class Mover, class BoxOf, class Visit>
+    bool for_each_pair(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
+                       const BoxOf& box_of, const Visit& visit) const;
+    template <class Mover, class BoxOf>
+    bool free_of_contact(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
+                         const BoxOf& box_of, const InstantTest& test, BodyPair& pair, int64_t& checks) const;
+    bool collides_at(const SweptMover& mover, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                      MotionOutcome& out) const;
-    void certify_itself(const Sweeping& moving, const MotionSettings& s, MotionOutcome& out) const;
+    MotionOutcome step_through(const SweptMover& mover, const std::vector<BodyId>& others,
+                               const MotionSettings& s) const;
+    void certify_along_trajectory(const SweptPart& part, const Body& other, const MotionSettings& s,
+                                  MotionContact& contact) const;
+    void certify(const CandidatePair<SweptPart>& pair, const SweptMover& mover, const MotionSettings& s,
+                 MotionOutcome& out) const;
+    void certify_all(const SweptMover& mover, const std::vector<BodyId>& others, const MotionSettings& s,
+                     MotionOutcome& out) const;
     Fleet fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                 const MotionSettings& s) const;
-    Meeting meeting(const Sweeping& a, bool a_rests, const Sweeping& b, bool b_rests, double begin, double until,
-                    const MotionSettings& s) const;
-    std::vector<MotionOutcome> stops(const Fleet& fleet, const MotionSettings& s) const;
-    std::vector<MotionOutcome> contacts(const Fleet& fleet, const MotionSettings& s) const;
+    PairContact first_contact(const SweptMover& a, bool a_rests, const SweptMover& b, bool b_rests, Stretch stretch,
+                              const MotionSettings& s) const;
+    std::vector<MotionOutcome> first_contacts(const Fleet& fleet, const MotionSettings& s) const;
     void count_tests(const std::vector<MotionOutcome>& outcomes) const;
-    std::vector<Pair> pairs(const std::vector<BodyId>& robots, const std::vector<Sweeping>& moving) const;
-    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
-                    Suspects& suspects, int64_t& asked) const;
-    bool look_at(const std::vector<Sweeping>& moving, const std::vector<Place>& places, const std::vector<Pair>& pairs,
-                 double margin, Suspects& suspects, int64_t& asked) const;
-    bool certified(const std::vector<Sweeping>& moving, const std::vector<Pair>& pairs, const MotionSettings& s,
-                   Suspects& suspects, int64_t& asked) const;
+    bool collides_again(std::span<const PlacedMover> movers, double margin, const BodyPair& last,
+                        int64_t& checks) const;
+    bool stand_free(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin, BodyPair& last,
+                    int64_t& checks) const;
+    bool move_free(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
+                   const MotionSettings& settings, BodyPair& last, int64_t& checks) const;
+    bool free_at_sample(const std::vector<SweptMover>& movers, const std::vector<Place>& places,
+                        const std::vector<CandidatePair<SweptPart>>& pairs, double margin, BodyPair& last,
+                        int64_t& checks) const;
+    bool certified_free(const std::vector<SweptMover>& movers, const std::vector<CandidatePair<SweptPart>>& pairs,
+                        const MotionSettings& s, BodyPair& last, int64_t& checks) const;
 
     Masks masks_;
     std::vector<std::unique_ptr<Body>> bodies_;  // by id

@@ -1,15 +1,16 @@
 // A world's queries at one instant: collision, clearance, rays, all pairs.
 #include <algorithm>
 
-#include "query/kernels.h"
 #include "world/box_walk.h"
-#include "world/world.h"
+#include "world/pair_loop.h"
 
 namespace fgenv {
 namespace {
 
 // Above a squared distance, in floats.
 float float_bound(double squared) { return squared < 1e30 ? rounded_up(squared) * 1.00001f + 1e-30f : 1e30f; }
+
+constexpr Box everywhere{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
 
 }  // namespace
 
@@ -28,73 +29,32 @@ Box World::box_of(const Body& b, double time) const {
 }
 
 bool World::collides(BodyId id, const Place& place, double time, double margin) const {
-    const Body& robot = body(id);
-    const Frames frames = frames_at(robot.robot.get(), place);
-    std::vector<Rigid> poses;
-    std::vector<Box> boxes;
-    Box around = empty_box();
-    for (BodyId part_id : robot.parts) {
-        const Body& part = body(part_id);
-        poses.push_back(part.in(frames));
-        boxes.push_back(widened(posed_box(*part.shape, poses.back()), margin));
-        grow(around, boxes.back());
-    }
-    int64_t n = 0;
-    bool hit = false;
-    for (const auto& [i, j] : robot.own_pairs) {
-        if (hit) break;
-        if (!overlap(boxes[i], boxes[j])) continue;
-        ++n;
-        hit =
-            hits(*body(robot.parts[i]).shape, *body(robot.parts[j]).shape, relative(poses[i], poses[j]), margin, false);
-    }
-    std::vector<BodyId> near;
-    if (!hit) candidates(robot, around, near);
-    for (BodyId other : near) {
-        const Body& b = body(other);
-        if (b.root == id) continue;
-        const Box box = box_of(b, time);
-        for (size_t i = 0; i < poses.size() && !hit; ++i) {
-            const Body& part = body(robot.parts[i]);
-            if ((masks_ == Masks::path && !overlap(box, boxes[i])) || ignores(part, b)) continue;
-            ++n;
-            hit = hits(*part.shape, *b.shape, relative(poses[i], pose_of(b, time)), margin, false);
-        }
-        if (hit) break;
-    }
-    tests_.fetch_add(n, std::memory_order_relaxed);
-    return hit;
+    const PlacedMover mover = placed(body(id), place, margin);
+    int64_t checks = 0;
+    BodyPair pair;
+    const bool free = free_of_contact(
+        std::span<const PlacedMover>(&mover, 1), nullptr, PairOrder::by_body,
+        [&](const Body& other) { return masks_ == Masks::path ? box_of(other, time) : everywhere; },
+        {time, margin, margin, false}, pair, checks);
+    tests_.fetch_add(checks, std::memory_order_relaxed);
+    return !free;
 }
 
 Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<Place>& places, double time) const {
-    struct Placed {
-        const Body* part;
-        Rigid pose;
-        Box box;
-    };
-    std::vector<std::vector<Placed>> all;
-    for (size_t i = 0; i < robots.size(); ++i) {
-        const Body& robot = body(robots[i]);
-        const Frames frames = frames_at(robot.robot.get(), places[i]);
-        all.emplace_back();
-        for (BodyId id : robot.parts) {
-            const Body& part = body(id);
-            const Rigid pose = part.in(frames);
-            all[i].push_back({&part, pose, posed_box(*part.shape, pose)});
-        }
-    }
+    std::vector<PlacedMover> movers;
+    for (size_t i = 0; i < robots.size(); ++i) movers.push_back(placed(body(robots[i]), places[i], 0));
     Clearance best;
     double squared = HUGE_VAL;
     float bound = float_bound(squared);  // not infinite: so are the keys of lanes without a body
     int64_t n = 0;
-    const auto measure = [&](const Placed& a, const Body& b, const Rigid& pose, const Box& box) {
+    const auto measure = [&](const PlacedPart& a, const Body& b, const Rigid& pose, const Box& box) {
         ++n;
         const Rigid there = relative(a.pose, pose);
         double found;
-        if (overlap(a.box, box) && kernels().collide(*a.part->shape, *b.shape, there, true, nullptr))
+        if (overlap(a.box, box) && kernels().collide(*a.body->shape, *b.shape, there, true, nullptr))
             found = 0;
         else
-            found = kernels().nearest(*a.part->shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
+            found = kernels().nearest(*a.body->shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
         // Which of two as near comes first must not depend on how the index was built.
         if (found > squared || (found == squared && best.other >= 0 && b.id > best.other)) return;
         if (found == HUGE_VAL) return;
@@ -102,20 +62,20 @@ Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<
         bound = float_bound(squared);
         best = {std::sqrt(squared), b.id};
     };
-    for (size_t i = 0; i < all.size(); ++i)
-        for (const Placed& a : all[i]) {
+    for (size_t i = 0; i < movers.size(); ++i)
+        for (const PlacedPart& a : movers[i].parts) {
             const float lo[3] = {rounded_down(a.box.lo.x), rounded_down(a.box.lo.y), rounded_down(a.box.lo.z)};
             const float hi[3] = {rounded_up(a.box.hi.x), rounded_up(a.box.hi.y), rounded_up(a.box.hi.z)};
             walk_nearest(
                 index_.packed(), bound, [&](const BoxBlock& b) { return squared_gaps(b, lo, hi); },
                 [&](BodyId other) {
                     const Body& b = body(other);
-                    if (std::find(robots.begin(), robots.end(), b.root) != robots.end() || ignores(*a.part, b)) return;
+                    if (std::find(robots.begin(), robots.end(), b.root) != robots.end() || ignores(*a.body, b)) return;
                     measure(a, b, pose_of(b, time), box_of(b, time));
                 });
-            for (size_t j = i + 1; j < all.size(); ++j)
-                for (const Placed& b : all[j])
-                    if (!ignores(*a.part, *b.part)) measure(a, *b.part, b.pose, b.box);
+            for (size_t j = i + 1; j < movers.size(); ++j)
+                for (const PlacedPart& b : movers[j].parts)
+                    if (!ignores(*a.body, *b.body)) measure(a, *b.body, b.pose, b.box);
         }
     tests_.fetch_add(n, std::memory_order_relaxed);
     return best;
