@@ -26,7 +26,8 @@ NESTED = {Platform: DifferentialDrive(1.0, 2.0), JointVelocity: JointVelocity()}
 
 def example(kind: str, limited: bool) -> Drive:
     """A drive of a kind, from its fields; `limited`: with limits of acceleration."""
-    hints, values = get_type_hints(DRIVES[kind], include_extras=True), {}
+    hints = get_type_hints(DRIVES[kind], include_extras=True)
+    values: dict[str, Any] = {}
     for item in fields(DRIVES[kind]):  # type: ignore[arg-type]
         about = getattr(hints[item.name], "__metadata__", None)
         if about is None:
