@@ -223,7 +223,10 @@ def test_a_set_from_a_file(fgenv: Shell, crossing: FrozenSet, tmp_path: Path) ->
         (("--policy", "gotoo"), "did you mean 'goto'?"),
         (("--policy", "mlp:nothing.npz"), "nothing.npz: No such file"),
         (("--csv", "no/such/folder.csv"), "there is no folder no/such"),
-        (("--plot", "scores.xyz"), "--plot: got scores.xyz, expected a name that ends in .png, .svg"),
+        (
+            ("--plot", "scores.xyz"),
+            "--plot: got scores.xyz, expected a name that ends in .png, .svg",
+        ),
     ],
 )
 def test_errors_precede_the_cases(
