@@ -117,7 +117,7 @@ std::vector<Mark> marks_of(nb::handle value) {
     return marks;
 }
 
-View view_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t width, int64_t height) {
+Camera camera_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64_t width, int64_t height) {
     const std::vector<Vec3> rows = vectors(axes, "axes", 3);
     if (width < 1 || height < 1 || width > most_pixels || height > most_pixels || width * height > most_pixels)
         fail("width, height: got " + std::to_string(width) + ", " + std::to_string(height) +
@@ -145,7 +145,7 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
     if (samples < 1 || samples > most_samples)
         fail("samples: got " + std::to_string(samples) + ", expected 1 to " + std::to_string(most_samples));
     const int n_threads = threads_of(threads);
-    Picture picture(self.scene, array.all(), view_of(eye, axes, pixels_per_slope, width, height), ground_of(floor),
+    Picture picture(self.scene, array.all(), camera_of(eye, axes, pixels_per_slope, width, height), ground_of(floor),
                     marks_of(marks), {static_cast<int>(samples), contrast});
     Output<uint8_t> out = make_output<uint8_t>({height, width, 3});
     std::optional<Output<double>> depth;

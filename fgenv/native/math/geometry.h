@@ -35,6 +35,8 @@ static inline double coordinate(const Vec3& a, int axis) { return axis == 0 ? a.
 // Vertex indices of one face, counter-clockwise seen from outside.
 using Face = std::array<int32_t, 3>;
 
+using Triangle = std::array<Vec3, 3>;
+
 // x -> r x + t.
 struct Rigid {
     double r[3][3];

@@ -6,9 +6,9 @@
 namespace fgenv {
 
 // SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", 2014).
-class Dice {
+class Rng {
 public:
-    Dice(uint64_t seed, uint64_t episode) : state_(mixed(mixed(seed) + episode)) {}
+    Rng(uint64_t seed, uint64_t episode) : state_(mixed(mixed(seed) + episode)) {}
 
     double unit() {  // in [0, 1)
         state_ += 0x9e3779b97f4a7c15;

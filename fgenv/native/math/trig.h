@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "math/constants.h"
+
 namespace fgenv {
 
 // Taylor's polynomials on [-pi/4, pi/4] (the first term left out is under 1e-19) after a reduction by
@@ -52,7 +54,6 @@ static inline double arc_tangent_unit(double x) {
 
 // Angle of the point (x, y) in (-pi, pi]; error under 1e-15.
 static inline double arc_tangent(double y, double x) {
-    constexpr double pi = 3.14159265358979323846;
     const double ax = std::fabs(x), ay = std::fabs(y);
     if (ax == 0 && ay == 0) return 0;
     double angle = ay <= ax ? arc_tangent_unit(ay / ax) : 0.5 * pi - arc_tangent_unit(ax / ay);

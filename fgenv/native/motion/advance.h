@@ -5,8 +5,7 @@
 
 namespace fgenv {
 
-constexpr double askew = 1.0001;    // poses may be off orthonormal by 1e-5
-constexpr double rounding = 4e-15;  // of the coordinates: more than placing a corner twice is off by
+constexpr double corner_rounding = 4e-15;  // relative to the coordinates: bound on the error of placing a corner twice
 
 struct Instant {
     double t;
@@ -23,7 +22,7 @@ static inline Instant instant(const Moving& a, const Moving& b, double t) {
 }
 
 static inline double rounding_slack(const Instant& now, double radii) {
-    return rounding * (norm(origin(now.a) - origin(now.b)) + radii) +
+    return corner_rounding * (norm(origin(now.a) - origin(now.b)) + radii) +
            0x1p-51 * (norm(origin(now.a)) + norm(origin(now.b)));
 }
 

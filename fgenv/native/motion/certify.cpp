@@ -23,9 +23,10 @@ constexpr size_t most_pairs = 256;  // of their shells
 
 Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half, double margin) {
     const auto side = [&](const Velocity& u, const Acceleration& acc) {
-        const double squared = 0.5 * half * half * askew;
-        return Sweep::Side{(half * askew) * unrotate(now.a, u.v), (half * askew) * unrotate(now.a, u.w),
-                           squared * acc.at_origin, squared * acc.by_radius};
+        const double squared = 0.5 * half * half * orthonormality;
+        return Sweep::Side{(half * orthonormality) * unrotate(now.a, u.v),
+                           (half * orthonormality) * unrotate(now.a, u.w), squared * acc.at_origin,
+                           squared * acc.by_radius};
     };
     return {relative(now.a, now.b), side(now.va, a.motion->acceleration()), side(now.vb, b.motion->acceleration()),
             margin, 0};
@@ -99,7 +100,7 @@ private:
         hi = lesser(hi, contact_.free_until);
         if (count == 0 || lo >= hi || done()) return;
         FacePair* pairs = pairs_.data() + begin;
-        count = kernels().staying(*a_.shape, *b_.shape, moment(now, lo, hi), pairs, count);
+        count = kernels().drop_separated(*a_.shape, *b_.shape, separation_window(now, lo, hi), pairs, count);
         if (count <= few_pairs || splits == max_splits) {
             for (int i = 0; i < count && !done(); ++i) advance(pairs[i], lo, lesser(hi, contact_.free_until));
             return;
@@ -113,20 +114,20 @@ private:
         }
     }
 
-    Moment moment(const Instant& now, double lo, double hi) const {
+    SeparationWindow separation_window(const Instant& now, double lo, double hi) const {
         const Acceleration at_a = a_.motion->acceleration(), at_b = b_.motion->acceleration();
-        Moment m{now.a,
-                 now.b,
-                 now.va.v,
-                 now.va.w,
-                 now.vb.v,
-                 now.vb.w,
-                 {at_a.at_origin, askew * at_a.by_radius},
-                 {at_b.at_origin, askew * at_b.by_radius},
-                 (now.t - lo) * (1 + 1e-12),
-                 (hi - now.t) * (1 + 1e-12),
-                 settings_.margin,
-                 rounding_slack(now, a_.shape->radius + b_.shape->radius)};
+        SeparationWindow m{now.a,
+                           now.b,
+                           now.va.v,
+                           now.va.w,
+                           now.vb.v,
+                           now.vb.w,
+                           {at_a.at_origin, orthonormality * at_a.by_radius},
+                           {at_b.at_origin, orthonormality * at_b.by_radius},
+                           (now.t - lo) * (1 + 1e-12),
+                           (hi - now.t) * (1 + 1e-12),
+                           settings_.margin,
+                           rounding_slack(now, a_.shape->radius + b_.shape->radius)};
         for (int i = 0; i < 3; ++i) {
             m.a.t[i] -= m.b.t[i];
             m.b.t[i] = 0;
@@ -148,8 +149,8 @@ private:
         for (const Piece& p : a.pieces)
             for (const Piece& q : b.pieces) {
                 const double until = lesser(hi, contact_.free_until);
-                const double gap = norm(apply(at_b, q.center) - apply(at_a, p.center)) - askew * (p.radius + q.radius) -
-                                   settings_.margin;
+                const double gap = norm(apply(at_b, q.center) - apply(at_a, p.center)) -
+                                   orthonormality * (p.radius + q.radius) - settings_.margin;
                 if (gap <=
                     speed_ * (until - lo) + 1e-12 * (norm(origin(at_a)) + norm(origin(at_b)) + a.radius + b.radius))
                     parted = lesser(

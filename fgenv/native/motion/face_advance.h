@@ -1,30 +1,21 @@
 // Two faces moving.
 #pragma once
 
-#include <array>
-
 #include "motion/advance.h"
 #include "query/edge_face.h"
 #include "query/kernels.h"
 
 namespace fgenv {
 
-using Corners = std::array<Vec3, 3>;
-
-static inline Corners corners(const Shape& s, int32_t face) {
-    const Face& f = s.mesh.faces[face];
-    return {s.mesh.vertices[f[0]], s.mesh.vertices[f[1]], s.mesh.vertices[f[2]]};
-}
-
-// Corners are placed relative to b's origin, along the axes of the world.
+// Triangle are placed relative to b's origin, along the axes of the world.
 class FaceAdvance {
 public:
     FaceAdvance(const Moving& a, const Moving& b, FacePair pair, const CertifySettings& s)
-        : a_(a), b_(b), settings_(s), fa_(corners(*a.shape, pair.a)), fb_(corners(*b.shape, pair.b)) {
+        : a_(a), b_(b), settings_(s), fa_(triangle(a.shape->mesh, pair.a)), fb_(triangle(b.shape->mesh, pair.b)) {
         const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
         for (int k = 0; k < 3; ++k) {
-            radius_a_ = greater(radius_a_, askew * norm(fa_[k]));
-            radius_b_ = greater(radius_b_, askew * norm(fb_[k]));
+            radius_a_ = greater(radius_a_, orthonormality * norm(fa_[k]));
+            radius_b_ = greater(radius_b_, orthonormality * norm(fb_[k]));
         }
         acceleration_ = at_a.at_origin + at_a.by_radius * radius_a_ + at_b.at_origin + at_b.by_radius * radius_b_;
     }
@@ -66,7 +57,7 @@ public:
     }
 
 private:
-    static Vec3 side(const Corners& face, int k) { return face[(k + 1) % 3] - face[k]; }
+    static Vec3 side(const Triangle& face, int k) { return face[(k + 1) % 3] - face[k]; }
 
     // How long a plane across the unit vector n parts the faces for certain, b on the side it points to.
     double stay_along(Vec3 n) const {
@@ -99,7 +90,7 @@ private:
 
     const Moving &a_, &b_;
     const CertifySettings& settings_;
-    Corners fa_, fb_, xa_, xb_;
+    Triangle fa_, fb_, xa_, xb_;
     double radius_a_ = 0, radius_b_ = 0, acceleration_ = 0, slack_ = 0;
     Vec3 center_a_{0, 0, 0};
     Instant now_;

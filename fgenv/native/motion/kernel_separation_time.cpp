@@ -61,7 +61,7 @@ FGENV_INLINE D4 farthest(const V4 (&arm)[3]) {
 
 }  // namespace
 
-int staying(const Shape& a, const Shape& b, const Moment& m, FacePair* pairs, int count) {
+int drop_separated(const Shape& a, const Shape& b, const SeparationWindow& m, FacePair* pairs, int count) {
     int left = 0;
     for (int first = 0; first < count; first += width) {
         Points pa[3], pb[3];

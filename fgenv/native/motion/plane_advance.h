@@ -19,9 +19,9 @@ public:
     PlaneAdvance(const Moving& a, const Moving& b, const Hull& of_a, const Hull& of_b, const CertifySettings& s)
         : a_(a), b_(b), of_a_(of_a), of_b_(of_b), settings_(s) {
         const Acceleration at_a = a.motion->acceleration(), at_b = b.motion->acceleration();
-        radii_ = askew * (of_a.radius + of_b.radius);
-        acceleration_ =
-            at_a.at_origin + at_b.at_origin + askew * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
+        radii_ = orthonormality * (of_a.radius + of_b.radius);
+        acceleration_ = at_a.at_origin + at_b.at_origin +
+                        orthonormality * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
     }
 
     // How long after t a plane parts them for certain, at most `longest`; 0 if none is found.
@@ -32,7 +32,7 @@ public:
         const Vec3 before = along_;
         const double apart_before = apart_;
         const Vec3 guess = norm(before) > 0 ? before : origin(now_.b) - origin(now_.a);
-        along_ = unit(way_apart(
+        along_ = unit(direction_apart(
             [&](Vec3 n) {
                 const Corner p = farthest(of_a_, unrotate(now_.a, n)), q = farthest(of_b_, -1.0 * unrotate(now_.b, n));
                 return (origin(now_.b) - origin(now_.a)) + (rotate(now_.b, q.at) - rotate(now_.a, p.at));
@@ -115,7 +115,8 @@ private:
 
     // At most, of a point of one against a point of the other.
     double relative_speed() const {
-        return norm(now_.va.v - now_.vb.v) + askew * (norm(now_.va.w) * of_a_.radius + norm(now_.vb.w) * of_b_.radius);
+        return norm(now_.va.v - now_.vb.v) +
+               orthonormality * (norm(now_.va.w) * of_a_.radius + norm(now_.vb.w) * of_b_.radius);
     }
 
     const Moving &a_, &b_;

@@ -7,8 +7,7 @@ namespace {
 
 constexpr double piece = 0.25;  // radians turned by a piece of a swept box
 constexpr int max_pieces = 64;
-constexpr double askew = 1.0001;    // poses may be off orthonormal by 1e-5
-constexpr double rounding = 1e-14;  // of the coordinates: more than placing a point is off by
+constexpr double point_rounding = 1e-14;  // relative to the coordinates: bound on the error of placing a point
 
 }  // namespace
 
@@ -28,7 +27,7 @@ RigidMotion::RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offs
       shift_(origin(end) - origin(start)),
       turn_(turn_between(start, end)),
       angle_(norm(turn_)) {
-    const double centripetal = askew * angle_ * angle_;
+    const double centripetal = orthonormality * angle_ * angle_;
     acceleration_ = {centripetal * norm(origin(offset_)), centripetal};
 }
 
@@ -81,7 +80,7 @@ Box posed_box(const Shape& shape, const Rigid& pose) {
             fitted_half += fitted.half[k] * std::fabs(row[0] * fitted.axis[k][0] + row[1] * fitted.axis[k][1] +
                                                       row[2] * fitted.axis[k][2]);
         fitted_half *= 1 + 1e-6;  // its axes are floats
-        const double slack = rounding * (std::fabs(pose.t[i]) + shape.radius);
+        const double slack = point_rounding * (std::fabs(pose.t[i]) + shape.radius);
         lo[i] = greater(coordinate(center, i) - upright_half, coordinate(c, i) - fitted_half) - slack;
         hi[i] = lesser(coordinate(center, i) + upright_half, coordinate(c, i) + fitted_half) + slack;
     }

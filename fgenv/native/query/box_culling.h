@@ -12,7 +12,7 @@ FGENV_INLINE float size(const Bounded& x) {
 }
 
 // In the frame of the shape whose node it is tested against; the fourth numbers mean nothing.
-struct PlacedBox {
+struct PosedBox {
     F4 c, axis[3];
     float h[3];
 };
@@ -21,8 +21,8 @@ FGENV_INLINE F4 turned(const F4 (&columns)[3], const float v[3], F4 to) {
     return columns[0] * v[0] + (columns[1] * v[1] + (columns[2] * v[2] + to));
 }
 
-FGENV_INLINE PlacedBox placed(const OrientedBox& box, const PairFrame& f) {
-    PlacedBox out;
+FGENV_INLINE PosedBox posed(const OrientedBox& box, const PairFrame& f) {
+    PosedBox out;
     out.c = turned(f.columns, box.center, f.shift);
     for (int i = 0; i < 3; ++i) {
         out.axis[i] = turned(f.columns, box.axis[i], F4{});
@@ -42,7 +42,7 @@ FGENV_INLINE void load_axes(const Oriented& n, F8 (&axis)[3][3]) {
 
 // Which of the eight meet `box`: the normals of both boxes' faces, then the products of their edges.
 // `centers`: squared distances of the centers, for the order of the search.
-FGENV_INLINE uint32_t meeting(const Oriented& n, const PlacedBox& box, float slack, F8& centers) {
+FGENV_INLINE uint32_t overlapping(const Oriented& n, const PosedBox& box, float slack, F8& centers) {
     F8 d[3], h[3], r[3][3], abs_r[3][3], along_n[3];
     for (int k = 0; k < 3; ++k) {
         d[k] = load(n.center[k]) - splat(box.c[k]);

@@ -66,19 +66,19 @@ static inline bool contained(const Shape& inner, const Shape& outer, const Rigid
         return winding(outer, apply(inner_in_outer, point), touching) != 0 || touching;
     };
     if (inner.parts.size() > outer.solids.items.size()) {
-        BoxSearch solids = search_boxes(outer.solids, placed(box_of(inner.tree, 0), inner_frame));
+        BoxSearch solids = search_boxes(outer.solids, posed(box_of(inner.tree, 0), inner_frame));
         for (int32_t place; (place = next(solids)) >= 0;) {
             const Solid solid = solid_at(outer.solids, place);
-            BoxSearch anchors = search_boxes(inner.anchors, placed(box_of(solid), outer_frame));
+            BoxSearch anchors = search_boxes(inner.anchors, posed(box_of(solid), outer_frame));
             for (int32_t at; (at = next(anchors)) >= 0;)
                 if (holds_part(solid, inner.parts[inner.anchors.items[at]])) return true;
         }
         return false;
     }
-    BoxSearch anchors = search_boxes(inner.anchors, placed(box_of(outer.tree, 0), outer_frame));
+    BoxSearch anchors = search_boxes(inner.anchors, posed(box_of(outer.tree, 0), outer_frame));
     for (int32_t at; (at = next(anchors)) >= 0;) {
         const Part& part = inner.parts[inner.anchors.items[at]];
-        BoxSearch solids = search_boxes(outer.solids, placed(point_box(part[0]), inner_frame));
+        BoxSearch solids = search_boxes(outer.solids, posed(point_box(part[0]), inner_frame));
         for (int32_t place; (place = next(solids)) >= 0;)
             if (holds_part(solid_at(outer.solids, place), part)) return true;
     }

@@ -43,18 +43,21 @@ FGENV_INLINE void load_faces(const Leaf& leaf, const float r[3][3], const float 
     }
 }
 
-// Both leaves of a pair in a's frame, moved to the center of a's leaf; b's center ends up at `shift`.
-FGENV_INLINE Local load_leaves(const Leaf& la, const Leaf& lb, const Rigid& pose, const PairFrame& frame, FacesF& a,
-                               FacesF& b, float shift[3]) {
-    // The centers are subtracted in double.
+// The center of b's leaf less that of a's, in a's frame; subtracted in double.
+FGENV_INLINE Local leaf_shift(const Leaf& la, const Leaf& lb, const Rigid& pose, float shift[3]) {
     const Vec3 center =
         apply(pose, {lb.center[0], lb.center[1], lb.center[2]}) - Vec3{la.center[0], la.center[1], la.center[2]};
-    shift[0] = static_cast<float>(center.x);
-    shift[1] = static_cast<float>(center.y);
-    shift[2] = static_cast<float>(center.z);
+    for (int i = 0; i < 3; ++i) shift[i] = static_cast<float>(coordinate(center, i));
+    return local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) + std::fabs(shift[2]));
+}
+
+// Both leaves of a pair in a's frame, relative to the center of a's leaf; b's center is then at `shift`.
+FGENV_INLINE Local load_leaves(const Leaf& la, const Leaf& lb, const Rigid& pose, const PairFrame& frame, FacesF& a,
+                               FacesF& b, float shift[3]) {
+    const Local local = leaf_shift(la, lb, pose, shift);
     load_faces(la, a);
     load_faces(lb, frame.r, shift, b);
-    return local_errors(2 * (size(la) + size(lb)) + std::fabs(shift[0]) + std::fabs(shift[1]) + std::fabs(shift[2]));
+    return local;
 }
 
 FGENV_INLINE void find_boxes(FacesF& f) {
@@ -79,7 +82,8 @@ FGENV_INLINE void find_normals(FacesF& f) {
 }
 
 // Which faces may meet a box: the box's axes, then their own planes.
-FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], const Local& local, uint32_t among) {
+FGENV_INLINE uint32_t faces_near_box(FacesF& f, const float lo[3], const float hi[3], const Local& local,
+                                     uint32_t among) {
     find_boxes(f);
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i)
@@ -98,8 +102,8 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const float lo[3], const float hi[3], 
 // The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
 // Faces that are larger than the box are asked by their upright boxes as well. `box.c` is relative to the
 // faces' origin; `slack` holds the errors of placing it.
-FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, const Local& local, uint32_t among,
-                               bool larger) {
+FGENV_INLINE uint32_t faces_near_box(FacesF& f, const PosedBox& box, float slack, const Local& local, uint32_t among,
+                                     bool larger) {
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
         const F8 x = splat(box.axis[i][0]), y = splat(box.axis[i][1]), z = splat(box.axis[i][2]);
@@ -132,7 +136,7 @@ FGENV_INLINE uint32_t reaching(FacesF& f, const PlacedBox& box, float slack, con
 }
 
 // The box around some of eight faces.
-FGENV_INLINE void around(const FacesF& f, uint32_t among, float lo[3], float hi[3]) {
+FGENV_INLINE void bounds_of(const FacesF& f, uint32_t among, float lo[3], float hi[3]) {
     for (int i = 0; i < 3; ++i) {
         lo[i] = 1e30f;
         hi[i] = -1e30f;
@@ -149,7 +153,7 @@ FGENV_INLINE void around(const FacesF& f, uint32_t among, float lo[3], float hi[
 // Which of eight faces g may meet face i of f: boxes, the two planes, then the nine products of sides.
 // For the axis u x w of sides u of f and w of g the shapes' extents along it are the plane values
 // already at hand (n_f . w and n_g . u), so one triple product an axis is left.
-FGENV_INLINE uint32_t crossing(const FacesF& f, int i, const FacesF& g, const Local& local, uint32_t among) {
+FGENV_INLINE uint32_t faces_near_face(const FacesF& f, int i, const FacesF& g, const Local& local, uint32_t among) {
     I8 meet = I8{} == 0;
     for (int x = 0; x < 3; ++x)
         meet &= (g.lo[x] <= splat(f.hi[x][i] + local.slack)) & (g.hi[x] >= splat(f.lo[x][i] - local.slack));

@@ -66,7 +66,7 @@ FGENV_INLINE D4 above_face(const V4 p, const Faces& f) {
     }
     const D4 height = dot(r, f.n);  // over the last vertex
     const D4 squared = height * height * f.inv_n;
-    return within & (f.inv_n > splat(0.0)) ? squared : splat(HUGE_VAL);
+    return (within & (f.inv_n > splat(0.0))) ? squared : splat(HUGE_VAL);
 }
 
 // Four points, to be written one by one and read side by side.

@@ -66,7 +66,7 @@ static inline Vec3 nearest_of_simplex(Simplex& s) {
 // From the first hull to the second, not of unit length; (0, 0, 0) where they overlap. `corner(n)` is the
 // corner of the differences, second less first, that is farthest against n. A good guess saves steps.
 template <class Corner>
-static inline Vec3 way_apart(const Corner& corner, Vec3 guess) {
+static inline Vec3 direction_apart(const Corner& corner, Vec3 guess) {
     constexpr int max_steps = 24;
     Simplex s;
     s.p[s.n++] = corner(guess);

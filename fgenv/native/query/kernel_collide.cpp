@@ -1,6 +1,6 @@
 // Boolean query: dual descent with oriented culling, then edges against faces, then containment.
-#include "query/box_culling.h"
 #include "query/containment.h"
+#include "query/descent.h"
 #include "query/leaf_collision.h"
 
 namespace fgenv::FGENV_ISA {
@@ -23,47 +23,41 @@ bool far_apart(const OrientedBox& a, const OrientedBox& b, const PairFrame& b_in
     return squared > reach * reach;
 }
 
-bool surfaces_meet(const Query& q) {
+// Stops at the first pair of leaves with a collision.
+struct CollisionSearch {
     struct Pair {
         Ref a, b;
     };
-    Pair stack[2 * max_depth * (lanes - 1) + lanes];
-    int top = 0;
-    const Tree &ta = q.a.tree, &tb = q.b.tree;
-    const OrientedBox *boxes_a = ta.boxes.data(), *boxes_b = tb.boxes.data();
-    const PairFrame &b_in_a = q.frames.b_in_a, &a_in_b = q.frames.a_in_b;
-    F8 centers;
-    stack[top++] = {0, 0};
-    while (top) {
-        const Pair pair = stack[--top];
-        const OrientedBox &a = boxes_a[pair.a], &b = boxes_b[pair.b];
-        const int32_t ca = a.child, cb = b.child;
-        if (ca < 0 && cb < 0) {
-            if (leaves_meet(q, ta.leaves[~ca], placed(a, a_in_b), tb.leaves[~cb], placed(b, b_in_a))) return true;
-            continue;
-        }
-        if (ca < 0 && size(a) > size(b) && !reaches(ta.leaves[~ca], placed(b, b_in_a), b_in_a.slack)) continue;
-        if (cb < 0 && size(b) > size(a) && !reaches(tb.leaves[~cb], placed(a, a_in_b), a_in_b.slack)) continue;
-        const bool split_a = cb < 0 || (ca >= 0 && size(a) >= size(b));
-        uint32_t m = split_a ? meeting(ta.oriented[ca], placed(b, b_in_a), b_in_a.slack, centers)
-                             : meeting(tb.oriented[cb], placed(a, a_in_b), a_in_b.slack, centers);
-        // The nearest comes first off the stack: that is where a hit is likeliest.
-        for (float nearest = HUGE_VALF; m; m &= m - 1) {
-            const int k = __builtin_ctz(m);
-            stack[top] = split_a ? Pair{static_cast<Ref>(lanes * ca + k), pair.b}
-                                 : Pair{pair.a, static_cast<Ref>(lanes * cb + k)};
-            __builtin_prefetch(split_a ? &boxes_a[stack[top].a] : &boxes_b[stack[top].b]);
-            if (centers[k] < nearest)
-                nearest = centers[k];
-            else {
-                const Pair last = stack[top];
-                stack[top] = stack[top - 1];
-                stack[top - 1] = last;
-            }
-            ++top;
-        }
+    using Children = Ordered;
+    static constexpr Order order = Order::least_key_first;  // where centers are close a hit is likeliest
+
+    const Query& q;
+    const PairFrame &from_a = q.frames.b_in_a, &from_b = q.frames.a_in_b;
+    bool hit = false;
+
+    Pair pair(Ref a, Ref b, const Children&, int) const { return {a, b}; }
+    bool stop() const { return hit; }
+    bool prune(const Pair&) const { return false; }
+    bool prune(const OrientedBox& a, const OrientedBox& b) const {
+        return (a.child < 0 && size(a) > size(b) && !reaches(leaf_a(a), posed(b, from_a), from_a.slack)) ||
+               (b.child < 0 && size(b) > size(a) && !reaches(leaf_b(b), posed(a, from_b), from_b.slack));
     }
-    return false;
+    Children open(const Oriented& node, const OrientedBox& box, const PairFrame& frame) const {
+        Children out;
+        out.mask = overlapping(node, posed(box, frame), frame.slack, out.key);
+        return out;
+    }
+    void leaves(const OrientedBox& a, const OrientedBox& b) {
+        hit = leaves_meet(q, leaf_a(a), posed(a, from_b), leaf_b(b), posed(b, from_a));
+    }
+    const Leaf& leaf_a(const OrientedBox& box) const { return q.a.tree.leaves[~box.child]; }
+    const Leaf& leaf_b(const OrientedBox& box) const { return q.b.tree.leaves[~box.child]; }
+};
+
+bool surfaces_meet(const Query& q) {
+    CollisionSearch search{q};
+    descend(q.a.tree, q.b.tree, search);
+    return search.hit;
 }
 
 // The published form: the mover's head-to-tail chords against the target's faces.

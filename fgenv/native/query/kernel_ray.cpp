@@ -1,15 +1,14 @@
 // Rays, segments and winding numbers on the tree of one shape.
 #include "math/lanes.h"
+#include "query/descent.h"
 #include "query/edge_face.h"
 #include "query/kernels.h"
 
 namespace fgenv::FGENV_ISA {
 namespace {
 
-constexpr int stack_size = max_depth * (lanes - 1) + lanes;
-
 // Which boxes of a node a segment o + s d, 0 <= s <= reach, may pass; entry distances for the order.
-FGENV_INLINE uint32_t passed(const Node& n, const double o[3], const double inv[3], double reach, F8& entry) {
+FGENV_INLINE uint32_t boxes_on_ray(const Node& n, const double o[3], const double inv[3], double reach, F8& entry) {
     // Floats with outward slack: the entry is rounded down and the exit up by more than the error of
     // the subtraction and the product, relative to the numbers that enter.
     F8 near = splat(0.0f), far = splat(static_cast<float>(reach) * 1.000001f);
@@ -68,9 +67,9 @@ double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
         const int side = orient2d(p[k], p[l], ray);
         positive += side > 0;
         negative += side < 0;
-        const double left = p[k][0] * p[l][1], right = p[k][1] * p[l][0], area = left - right;
+        const double ahead = p[k][0] * p[l][1], behind = p[k][1] * p[l][0], area = ahead - behind;
         sum += area;
-        magnitude += std::fabs(left) + std::fabs(right);
+        magnitude += std::fabs(ahead) + std::fabs(behind);
         weighted += area * depth[(k + 2) % 3];
     }
     // Seen edge-on there is no depth to tell: the faces beside it have the sides that the ray meets.
@@ -90,7 +89,7 @@ float above(double x) {
 }
 
 // Faces of a leaf whose box the box [lo, hi] meets.
-FGENV_INLINE uint32_t near_box(const Leaf& leaf, const double lo[3], const double hi[3]) {
+FGENV_INLINE uint32_t faces_near_bounds(const Leaf& leaf, const double lo[3], const double hi[3]) {
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
         const F8 a = load(leaf.v[0][i]), b = load(leaf.v[1][i]), c = load(leaf.v[2][i]);
@@ -101,7 +100,7 @@ FGENV_INLINE uint32_t near_box(const Leaf& leaf, const double lo[3], const doubl
 }
 
 // Faces of a leaf that the ray may meet: signs of the three side volumes in floats, with slack.
-FGENV_INLINE uint32_t near_ray(const Leaf& leaf, const Ray& ray) {
+FGENV_INLINE uint32_t faces_near_ray(const Leaf& leaf, const Ray& ray) {
     F8 p[3][3], size = F8{};
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < 3; ++i) {
@@ -156,51 +155,123 @@ int crossing(Vec3 p, const Vec3 f[3], bool& touching) {
     return 0;
 }
 
-// The first hit; with `any` = true the one that is found first.
+struct TreePlace {
+    int32_t child;
+};
+
+// The first hit along a ray; with `any` = true whichever is met first by the search.
 template <bool any>
-FGENV_INLINE RayHit cast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
-    RayHit hit{HUGE_VAL, -1};
-    const Ray ray = make_ray(o, d);
+struct RaySearch {
     struct Entry {
         int32_t child;
         float near;
     };
-    Entry stack[stack_size];
-    int top = 0;
-    double reach = max_distance;
-    stack[top++] = {s.tree.nodes[0].child[0], 0.0f};
-    while (top) {
-        const Entry e = stack[--top];
-        if (e.near > reach) continue;
-        if (e.child < 0) {
-            const Leaf& leaf = s.tree.leaves[~e.child];
-            for (uint32_t m = near_ray(leaf, ray); m; m &= m - 1) {
-                const int lane = __builtin_ctz(m);
-                const int32_t face = leaf.face[lane];
-                Vec3 f[3];
-                load_face(s, leaf, lane, f);
-                const double at = ray_meets_face(o, d, f);
-                if (at < 0 || at > reach || (at == hit.distance && face >= hit.face)) continue;
-                reach = at;
-                hit = {at, face};
-                if (any) return hit;
-            }
-            continue;
-        }
-        const Node& n = s.tree.nodes[e.child];
-        F8 entry;
-        const uint32_t m = passed(n, ray.o, ray.inv, reach, entry);
-        const int first = top;
-        for (uint32_t r = m; r; r &= r - 1) {  // nearest last, so it is taken first
-            const int lane = __builtin_ctz(r);
-            const Entry next{n.child[lane], entry[lane]};
-            int at = top++;
-            for (; at > first && stack[at - 1].near < next.near; --at) stack[at] = stack[at - 1];
-            stack[at] = next;
+    using Children = Ordered;
+    static constexpr Order order = Order::rising_keys;
+
+    const Shape& shape;
+    Vec3 o, d;
+    double reach;
+    Ray ray = make_ray(o, d);
+    RayHit hit{HUGE_VAL, -1};
+
+    Entry entry(int32_t child, const Children& children, int lane) const { return {child, children.key[lane]}; }
+    bool stop() const { return any && hit.face >= 0; }
+    bool prune(const Entry& e) const { return e.near > reach; }
+    Children open(const Node& node) const {
+        Children out;
+        out.mask = boxes_on_ray(node, ray.o, ray.inv, reach, out.key);
+        return out;
+    }
+    void leaf(const Leaf& leaf) {
+        for (uint32_t m = faces_near_ray(leaf, ray); m; m &= m - 1) {
+            const int lane = __builtin_ctz(m);
+            const int32_t face = leaf.face[lane];
+            Vec3 f[3];
+            load_face(shape, leaf, lane, f);
+            const double at = ray_meets_face(o, d, f);
+            if (at < 0 || at > reach || (at == hit.distance && face >= hit.face)) continue;
+            reach = at;
+            hit = {at, face};
+            if (any) return;
         }
     }
-    return hit;
+};
+
+template <bool any>
+FGENV_INLINE RayHit cast(const Shape& s, Vec3 o, Vec3 d, double max_distance) {
+    RaySearch<any> search{s, o, d, max_distance};
+    descend(s.tree, search);
+    return search.hit;
 }
+
+// Any face that the segment pq meets.
+struct SegmentSearch {
+    using Entry = TreePlace;
+    using Children = Unordered;
+    static constexpr Order order = Order::any;
+
+    const Shape& shape;
+    Vec3 p, q;
+    Ray ray = make_ray(p, q - p);
+    double lo[3] = {}, hi[3] = {};
+    int32_t face = -1;
+
+    Entry entry(int32_t child, const Children&, int) const { return {child}; }
+    bool stop() const { return face >= 0; }
+    bool prune(const Entry&) const { return false; }
+    Children open(const Node& node) const {
+        F8 entry_distance;
+        return {boxes_on_ray(node, ray.o, ray.inv, 1.0, entry_distance)};
+    }
+    void leaf(const Leaf& leaf) {
+        for (uint32_t m = faces_near_bounds(leaf, lo, hi); m; m &= m - 1) {
+            const int lane = __builtin_ctz(m);
+            Vec3 f[3];
+            load_face(shape, leaf, lane, f);
+            const int side_p = orient3d(f[0], f[1], f[2], p), side_q = orient3d(f[0], f[1], f[2], q);
+            if (side_p == 0 && side_q == 0) continue;  // within the plane: no hit, as published
+            if (!edge_meets_face(p, side_p, q, side_q, f)) continue;
+            face = leaf.face[lane];
+            return;
+        }
+    }
+};
+
+// Sums the crossings of the ray from p along x with the closed shells.
+struct WindingSum {
+    using Entry = TreePlace;
+    using Children = Unordered;
+    static constexpr Order order = Order::any;
+
+    const Shape& shape;
+    Vec3 p;
+    double lo[3] = {p.x, p.y, p.z}, hi[3] = {1e30, p.y, p.z};
+    int number = 0;
+    bool touching = false;
+
+    Entry entry(int32_t child, const Children&, int) const { return {child}; }
+    bool stop() const { return false; }
+    bool prune(const Entry&) const { return false; }
+    Children open(const Node& node) const {
+        I8 meet = I8{} == 0;
+        for (int i = 0; i < 3; ++i) {
+            const F8 c = load(node.center[i]), h = load(node.half[i]) * splat(1.000001f);
+            const F8 slack = abs(c) * splat(0x1p-22f);
+            meet &= (c - h - slack <= splat(above(hi[i]))) & (c + h + slack >= splat(below(lo[i])));
+        }
+        return {bits(meet)};
+    }
+    void leaf(const Leaf& leaf) {
+        for (uint32_t m = faces_near_bounds(leaf, lo, hi); m; m &= m - 1) {
+            const int lane = __builtin_ctz(m);
+            if (!leaf.bounds[lane]) continue;
+            Vec3 f[3];
+            load_face(shape, leaf, lane, f);
+            number += crossing(p, f, touching);
+        }
+    }
+};
 
 }  // namespace
 
@@ -209,67 +280,22 @@ RayHit raycast(const Shape& s, Vec3 o, Vec3 d, double max_distance) { return cas
 bool obstructed(const Shape& s, Vec3 o, Vec3 d) { return cast<true>(s, o, d, HUGE_VAL).face >= 0; }
 
 int32_t segment(const Shape& s, Vec3 p, Vec3 q) {
-    const Ray ray = make_ray(p, q - p);
-    double lo[3], hi[3];
+    SegmentSearch search{s, p, q};
     for (int i = 0; i < 3; ++i) {
-        lo[i] = lesser(coordinate(p, i), coordinate(q, i));
-        hi[i] = greater(coordinate(p, i), coordinate(q, i));
+        search.lo[i] = lesser(coordinate(p, i), coordinate(q, i));
+        search.hi[i] = greater(coordinate(p, i), coordinate(q, i));
     }
-    int32_t stack[stack_size];
-    int top = 0;
-    stack[top++] = s.tree.nodes[0].child[0];
-    while (top) {
-        const int32_t child = stack[--top];
-        if (child < 0) {
-            const Leaf& leaf = s.tree.leaves[~child];
-            for (uint32_t m = near_box(leaf, lo, hi); m; m &= m - 1) {
-                const int lane = __builtin_ctz(m);
-                const int32_t face = leaf.face[lane];
-                Vec3 f[3];
-                load_face(s, leaf, lane, f);
-                const int side_p = orient3d(f[0], f[1], f[2], p), side_q = orient3d(f[0], f[1], f[2], q);
-                if (side_p == 0 && side_q == 0) continue;  // within the plane: no hit, as published
-                if (edge_meets_face(p, side_p, q, side_q, f)) return face;
-            }
-            continue;
-        }
-        F8 entry;
-        for (uint32_t m = passed(s.tree.nodes[child], ray.o, ray.inv, 1.0, entry); m; m &= m - 1)
-            stack[top++] = s.tree.nodes[child].child[__builtin_ctz(m)];
-    }
-    return -1;
+    descend(s.tree, search);
+    return search.face;
 }
 
 int winding(const Shape& s, Vec3 p, bool& touching) {
     touching = false;
     if (!inside(s.mesh.bounds, p)) return 0;
-    const double lo[3] = {p.x, p.y, p.z}, hi[3] = {1e30, p.y, p.z};
-    int32_t stack[stack_size];
-    int top = 0, number = 0;
-    stack[top++] = s.tree.nodes[0].child[0];
-    while (top) {
-        const int32_t child = stack[--top];
-        if (child < 0) {
-            const Leaf& leaf = s.tree.leaves[~child];
-            for (uint32_t m = near_box(leaf, lo, hi); m; m &= m - 1) {
-                const int lane = __builtin_ctz(m);
-                if (!leaf.bounds[lane]) continue;
-                Vec3 f[3];
-                load_face(s, leaf, lane, f);
-                number += crossing(p, f, touching);
-            }
-            continue;
-        }
-        const Node& n = s.tree.nodes[child];
-        I8 meet = I8{} == 0;
-        for (int i = 0; i < 3; ++i) {
-            const F8 c = load(n.center[i]), h = load(n.half[i]) * splat(1.000001f);
-            const F8 slack = abs(c) * splat(0x1p-22f);
-            meet &= (c - h - slack <= splat(above(hi[i]))) & (c + h + slack >= splat(below(lo[i])));
-        }
-        for (uint32_t m = bits(meet); m; m &= m - 1) stack[top++] = n.child[__builtin_ctz(m)];
-    }
-    return number;
+    WindingSum sum{s, p};
+    descend(s.tree, sum);
+    touching = sum.touching;
+    return sum.number;
 }
 
 }  // namespace fgenv::FGENV_ISA

@@ -47,7 +47,7 @@ struct FacePair {
 
 // Two bodies at one instant, their velocities, and how long before and after it is of interest. World
 // axes, from b's origin.
-struct Moment {
+struct SeparationWindow {
     Rigid a, b;  // b's translation is 0
     Vec3 va, wa, vb, wb;
     double acceleration_a[2], acceleration_b[2];  // at the origin, and what a unit of distance adds
@@ -73,7 +73,7 @@ struct Kernels {
     // Pairs of faces that may meet in the stretch, none left out; how many, capacity + 1 if there are more.
     int (*sweep)(const Shape& a, const Shape& b, const Sweep& sweep, FacePair* out, int capacity);
     // Of the pairs, those that may meet before or after the moment, moved to the front; how many.
-    int (*staying)(const Shape& a, const Shape& b, const Moment& moment, FacePair* pairs, int count);
+    int (*drop_separated)(const Shape& a, const Shape& b, const SeparationWindow& window, FacePair* pairs, int count);
     // The nearest points of two faces that do not cross.
     Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
 };

@@ -43,7 +43,7 @@ static inline bool faces_meet(const Query& q, const Leaf& la, int i, const Leaf&
 }
 
 // Which faces of a leaf may meet a box; their vertices are left in `faces`, relative to the leaf.
-FGENV_INLINE uint32_t reaching(const Leaf& leaf, PlacedBox box, float slack, FacesF& faces) {
+FGENV_INLINE uint32_t faces_near_box(const Leaf& leaf, PosedBox box, float slack, FacesF& faces) {
     load_faces(leaf, faces);
     float extent = 0;
     for (int i = 0; i < 3; ++i) {
@@ -51,17 +51,17 @@ FGENV_INLINE uint32_t reaching(const Leaf& leaf, PlacedBox box, float slack, Fac
         extent += std::fabs(box.c[i]) + 2 * box.h[i];
     }
     const bool larger = size(leaf) > box.h[0] + box.h[1] + box.h[2];
-    return reaching(faces, box, slack, local_errors(2 * size(leaf) + extent), leaf.valid, larger);
+    return faces_near_box(faces, box, slack, local_errors(2 * size(leaf) + extent), leaf.valid, larger);
 }
 
 // `box_a`, `box_b`: the leaves' boxes, each in the other's frame.
-static inline bool leaves_meet(const Query& q, const Leaf& la, const PlacedBox& box_a, const Leaf& lb,
-                               const PlacedBox& box_b) {
+static inline bool leaves_meet(const Query& q, const Leaf& la, const PosedBox& box_a, const Leaf& lb,
+                               const PosedBox& box_b) {
     FacesF a, b;
     const PairFrame& frame = q.frames.b_in_a;
-    uint32_t in_a = reaching(la, box_b, frame.slack, a);
+    uint32_t in_a = faces_near_box(la, box_b, frame.slack, a);
     if (!in_a) return false;
-    uint32_t in_b = reaching(lb, box_a, frame.slack, b);
+    uint32_t in_b = faces_near_box(lb, box_a, frame.slack, b);
     if (!in_b) return false;
     float shift[3];
     const Local local = load_leaves(la, lb, q.pose, frame, a, b, shift);
@@ -72,13 +72,13 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const PlacedBox& 
     if (q.witness || __builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
         for (; in_a; in_a &= in_a - 1) {
             const int i = __builtin_ctz(in_a);
-            for (uint32_t m = crossing(a, i, b, local, in_b); m; m &= m - 1)
+            for (uint32_t m = faces_near_face(a, i, b, local, in_b); m; m &= m - 1)
                 if (faces_meet(q, la, i, lb, __builtin_ctz(m))) return true;
         }
     } else {
         for (; in_b; in_b &= in_b - 1) {
             const int j = __builtin_ctz(in_b);
-            for (uint32_t m = crossing(b, j, a, local, in_a); m; m &= m - 1)
+            for (uint32_t m = faces_near_face(b, j, a, local, in_a); m; m &= m - 1)
                 if (faces_meet(q, la, __builtin_ctz(m), lb, j)) return true;
         }
     }
@@ -87,9 +87,9 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const PlacedBox& 
 
 // Whether a face of a leaf may meet a box. Asked before a box is opened against a leaf with larger faces:
 // their planes tell more than the leaf's box.
-static inline bool reaches(const Leaf& leaf, const PlacedBox& box, float slack) {
+static inline bool reaches(const Leaf& leaf, const PosedBox& box, float slack) {
     FacesF faces;
-    return reaching(leaf, box, slack, faces) != 0;
+    return faces_near_box(leaf, box, slack, faces) != 0;
 }
 
 }  // namespace fgenv

@@ -67,7 +67,7 @@ static inline BoxF box_of(const Tree& tree, Ref ref) {
     return {{n.center[0][k], n.center[1][k], n.center[2][k]}, {n.half[0][k], n.half[1][k], n.half[2][k]}};
 }
 
-static inline BoxF placed(const BoxF& box, const PairFrame& f) {
+static inline BoxF posed(const BoxF& box, const PairFrame& f) {
     BoxF out;
     for (int i = 0; i < 3; ++i) {
         out.c[i] = f.r[i][0] * box.c[0] + f.r[i][1] * box.c[1] + f.r[i][2] * box.c[2] + f.t[i];

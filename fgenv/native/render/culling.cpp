@@ -13,17 +13,17 @@ SunFrame sun_frame(Vec3 to) {
     return {u, cross(to, u), to};
 }
 
-PixelBox pixel_box(const View& view, const Vec3* points, int n, double& nearest) {
+PixelBox pixel_box(const Camera& camera, const Vec3* points, int n, double& nearest) {
     PixelBox box{{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
     nearest = HUGE_VAL;
     double farthest = -HUGE_VAL;
     for (int k = 0; k < n; ++k) {
-        const Vec3 d = points[k] - view.eye;
-        const double depth = dot(view.ahead, d), scale = view.pixels_per_slope / greater(depth, behind);
+        const Vec3 d = points[k] - camera.eye;
+        const double depth = dot(camera.ahead, d), scale = camera.pixels_per_slope / greater(depth, behind);
         nearest = lesser(nearest, depth);
         farthest = greater(farthest, depth);
-        const double at[2] = {0.5 * view.width + dot(view.right, d) * scale,
-                              0.5 * view.height + dot(view.down, d) * scale};
+        const double at[2] = {0.5 * camera.width + dot(camera.right, d) * scale,
+                              0.5 * camera.height + dot(camera.down, d) * scale};
         for (int i = 0; i < 2; ++i) {
             box.lo[i] = lesser(box.lo[i], at[i]);
             box.hi[i] = greater(box.hi[i], at[i]);
@@ -34,13 +34,13 @@ PixelBox pixel_box(const View& view, const Vec3* points, int n, double& nearest)
     return box;
 }
 
-Placed place(const Shape& shape, int32_t body, const Rigid& pose, const View& view, const SunFrame& sun) {
+Placed place(const Shape& shape, int32_t body, const Rigid& pose, const Camera& camera, const SunFrame& sun) {
     Placed out;
     out.shape = &shape;
     out.body = body;
     out.pose = pose;
     out.back = inverse(pose);
-    out.eye = apply(out.back, view.eye);
+    out.eye = apply(out.back, camera.eye);
     out.sun = rotate(out.back, sun.to);
     out.sun_inverse = inverse_of(out.sun);
     const Box& b = shape.mesh.bounds;
@@ -50,7 +50,7 @@ Placed place(const Shape& shape, int32_t body, const Rigid& pose, const View& vi
         corners[k] = apply(pose, {k & 1 ? b.hi.x : b.lo.x, k & 2 ? b.hi.y : b.lo.y, k & 4 ? b.hi.z : b.lo.z});
         grow(out.shade, in_sun_frame(sun, corners[k]));
     }
-    out.box = pixel_box(view, corners, 8, out.nearest);
+    out.box = pixel_box(camera, corners, 8, out.nearest);
     return out;
 }
 

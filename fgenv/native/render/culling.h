@@ -6,7 +6,7 @@
 
 namespace fgenv {
 
-struct View {
+struct Camera {
     Vec3 eye, right, down, ahead;  // unit vectors
     double pixels_per_slope;       // pixels that a meter takes up at a meter ahead
     int width, height;
@@ -35,17 +35,17 @@ struct Placed {
     Box shade;       // in the sun's frame
 };
 
-Placed place(const Shape& shape, int32_t body, const Rigid& pose, const View& view, const SunFrame& sun);
+Placed place(const Shape& shape, int32_t body, const Rigid& pose, const Camera& camera, const SunFrame& sun);
 SunFrame sun_frame(Vec3 to);
 // Of the hull of points: nothing if all are behind the eye, everything if some are.
-PixelBox pixel_box(const View& view, const Vec3* points, int n, double& nearest);
+PixelBox pixel_box(const Camera& camera, const Vec3* points, int n, double& nearest);
 
 static inline Vec3 in_sun_frame(const SunFrame& sun, Vec3 p) { return {dot(sun.u, p), dot(sun.v, p), dot(sun.to, p)}; }
 
 // Unit vector through a place on the picture; the middle of the pixel in the top left corner is (0.5, 0.5).
-static inline Vec3 ray_through(const View& view, double x, double y) {
-    return unit((x - 0.5 * view.width) * view.right + (y - 0.5 * view.height) * view.down +
-                view.pixels_per_slope * view.ahead);
+static inline Vec3 ray_through(const Camera& camera, double x, double y) {
+    return unit((x - 0.5 * camera.width) * camera.right + (y - 0.5 * camera.height) * camera.down +
+                camera.pixels_per_slope * camera.ahead);
 }
 
 // Not infinite, so that 0 times it is 0.

@@ -13,25 +13,25 @@ void write(const SrgbTable& table, Vec3 light, uint8_t* out) {
 
 }  // namespace
 
-Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view,
+Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const Camera& camera,
                  const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing)
     : scene_(scene),
-      view_(view),
+      camera_(camera),
       sun_(sun_frame(scene.light.sun)),
       has_ground_(ground.has_value()),
       ground_(ground.value_or(Ground{0, 1, 1, {0, 0, 0}})),
       marks_(std::move(marks)),
       antialiasing_(antialiasing),
-      slope_per_pixel_(1 / view.pixels_per_slope),
+      slope_per_pixel_(1 / camera.pixels_per_slope),
       per_grid_(1 / ground_.grid),
       per_fade_(1 / ground_.fade),
-      columns_((view.width + side - 1) / side),
-      rows_((view.height + side - 1) / side),
-      pixels_(static_cast<size_t>(view.width) * view.height) {
+      columns_((camera.width + side - 1) / side),
+      rows_((camera.height + side - 1) / side),
+      pixels_(static_cast<size_t>(camera.width) * camera.height) {
     for (size_t i = 0; i < poses.size(); ++i) {
         const PaintedBody& body = scene.bodies[i];
         (body.opacity < 1 ? translucent_ : bodies_)
-            .push_back(place(*body.shape, static_cast<int32_t>(i), poses[i], view, sun_));
+            .push_back(place(*body.shape, static_cast<int32_t>(i), poses[i], camera, sun_));
     }
     std::stable_sort(bodies_.begin(), bodies_.end(),
                      [](const Placed& a, const Placed& b) { return a.nearest < b.nearest; });
@@ -41,13 +41,13 @@ Picture::Picture(const Scene& scene, const std::vector<Rigid>& poses, const View
             corners[k] = {k & 1 ? m.x + m.radius : m.x - m.radius, k & 2 ? m.y + m.radius : m.y - m.radius,
                           ground_.height};
         double nearest;
-        mark_boxes_.push_back(pixel_box(view, corners, 4, nearest));
+        mark_boxes_.push_back(pixel_box(camera, corners, 4, nearest));
     }
 }
 
 PixelBox Picture::tile_box(int64_t tile) const {
     const double x = static_cast<double>(tile % columns_ * side), y = static_cast<double>(tile / columns_ * side);
-    return {{x, y}, {lesser(x + side, view_.width), lesser(y + side, view_.height)}};
+    return {{x, y}, {lesser(x + side, camera_.width), lesser(y + side, camera_.height)}};
 }
 
 void Picture::aim(Bundle& bundle, const PixelBox& box) const {
@@ -81,13 +81,13 @@ void Picture::look(int64_t first, int64_t last, double* depth) {
         aim(bundle, box);
         for (int y = static_cast<int>(box.lo[1]); y < box.hi[1]; ++y)
             for (int x = static_cast<int>(box.lo[0]); x < box.hi[0]; ++x) {
-                bundle.pixel[bundle.n] = y * view_.width + x;
-                bundle.ray[bundle.n++] = ray_through(view_, x + 0.5, y + 0.5);
+                bundle.pixel[bundle.n] = y * camera_.width + x;
+                bundle.ray[bundle.n++] = ray_through(camera_, x + 0.5, y + 0.5);
             }
         trace(bundle, [&](int pixel, const Surface& s, Vec3 c) {
             const int32_t owner = s.front >= 0 ? s.front : s.owner;
             pixels_[pixel] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)}, owner};
-            if (depth) depth[pixel] = s.owner == sky ? HUGE_VAL : dot(view_.ahead, s.point - view_.eye);
+            if (depth) depth[pixel] = s.owner == sky ? HUGE_VAL : dot(camera_.ahead, s.point - camera_.eye);
         });
     }
 }
@@ -105,17 +105,18 @@ bool Picture::differ(const Pixel& a, const Pixel& b) const {
 
 // The sides on which a pixel's neighbor differs from it.
 unsigned Picture::edges(int x, int y) const {
-    const Pixel* here = &pixels_[static_cast<size_t>(y) * view_.width + x];
-    return (x > 0 && differ(*here, here[-1]) ? left : 0) | (x + 1 < view_.width && differ(*here, here[1]) ? right : 0) |
-           (y > 0 && differ(*here, here[-view_.width]) ? above : 0) |
-           (y + 1 < view_.height && differ(*here, here[view_.width]) ? below : 0);
+    const Pixel* here = &pixels_[static_cast<size_t>(y) * camera_.width + x];
+    return (x > 0 && differ(*here, here[-1]) ? left : 0) |
+           (x + 1 < camera_.width && differ(*here, here[1]) ? right : 0) |
+           (y > 0 && differ(*here, here[-camera_.width]) ? above : 0) |
+           (y + 1 < camera_.height && differ(*here, here[camera_.width]) ? below : 0);
 }
 
 // Rays for the pixel `at` of the bundle's tile, to be added to its sum; what lies toward a neighbor that
 // does not differ has the pixel's own color.
 template <class Add>
 void Picture::refine(Bundle& bundle, int x, int y, int at, unsigned edges, const Add& add) const {
-    const Pixel& own = pixels_[static_cast<size_t>(y) * view_.width + x];
+    const Pixel& own = pixels_[static_cast<size_t>(y) * camera_.width + x];
     const int samples = antialiasing_.samples;
     for (int k = 0; k < samples * samples; ++k) {
         // In half steps off the middle.
@@ -126,7 +127,7 @@ void Picture::refine(Bundle& bundle, int x, int y, int at, unsigned edges, const
             continue;
         }
         bundle.pixel[bundle.n] = at;
-        bundle.ray[bundle.n++] = ray_through(view_, x + 0.5 + 0.5 * i / samples, y + 0.5 + 0.5 * j / samples);
+        bundle.ray[bundle.n++] = ray_through(camera_, x + 0.5 + 0.5 * i / samples, y + 0.5 + 0.5 * j / samples);
         if (bundle.n == most) trace(bundle, [&](int pixel, const Surface&, Vec3 c) { add(pixel, c); });
     }
 }
@@ -154,7 +155,7 @@ void Picture::finish(int64_t first, int64_t last, uint8_t* out) const {
         if (aimed) trace(bundle, [&](int at, const Surface&, Vec3 c) { add(at, c); });
         for (int y = y0; y < box.hi[1]; ++y)
             for (int x = x0; x < box.hi[0]; ++x) {
-                const size_t pixel = static_cast<size_t>(y) * view_.width + x;
+                const size_t pixel = static_cast<size_t>(y) * camera_.width + x;
                 const int at = (y - y0) * side + x - x0;
                 const float* c = pixels_[pixel].color;
                 write(table, fine[at] ? sum[at] : Vec3{c[0], c[1], c[2]}, out + 3 * pixel);

@@ -52,8 +52,8 @@ struct Antialiasing {
 // writes the depth ahead of each pixel (meters; infinite for the sky) unless `depth` is null.
 class Picture {
 public:
-    Picture(const Scene& scene, const std::vector<Rigid>& poses, const View& view, const std::optional<Ground>& ground,
-            std::vector<Mark> marks, Antialiasing antialiasing);
+    Picture(const Scene& scene, const std::vector<Rigid>& poses, const Camera& camera,
+            const std::optional<Ground>& ground, std::vector<Mark> marks, Antialiasing antialiasing);
 
     int64_t tiles() const { return static_cast<int64_t>(columns_) * rows_; }
     void look(int64_t first, int64_t last, double* depth);
@@ -105,7 +105,7 @@ private:
     Vec3 lit(const Surface& surface) const;
 
     const Scene& scene_;
-    View view_;
+    Camera camera_;
     SunFrame sun_;
     bool has_ground_;
     Ground ground_;

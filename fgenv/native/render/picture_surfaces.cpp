@@ -31,7 +31,7 @@ void Picture::see(Bundle& bundle, Vec3 ray, Surface& out) const {
         look_at(body, index, ray, sight);
     }
     if (has_ground_ && ray.z != 0) {
-        const double slant = 1 / ray.z, distance = (ground_.height - view_.eye.z) * slant;
+        const double slant = 1 / ray.z, distance = (ground_.height - camera_.eye.z) * slant;
         if (distance > 0 && distance < lesser(sight.distance, 4 * ground_.fade)) {
             see_ground(bundle, distance, slant, ray, out);
             sight = {distance, -1, -1};
@@ -76,7 +76,7 @@ void Picture::see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface
     }
     // The face itself says which side is seen: a round normal may lean over the rim.
     if (dot(flat, d) > 0) normal = -1.0 * normal;
-    out.point = view_.eye + sight.distance * ray;
+    out.point = camera_.eye + sight.distance * ray;
     out.normal = rotate(body.pose, unit(normal));
     out.albedo = paint.color;
     out.solid = 1;
@@ -84,9 +84,9 @@ void Picture::see_body(const Placed& body, const Sight& sight, Vec3 ray, Surface
 }
 
 void Picture::see_ground(const Bundle& bundle, double distance, double slant, Vec3 ray, Surface& out) const {
-    out.point = view_.eye + distance * ray;
+    out.point = camera_.eye + distance * ray;
     out.point.z = ground_.height;
-    out.normal = {0, 0, view_.eye.z > ground_.height ? 1.0 : -1.0};
+    out.normal = {0, 0, camera_.eye.z > ground_.height ? 1.0 : -1.0};
     out.albedo = ground_albedo(bundle, out.point, ray, slant, distance * slope_per_pixel_);
     const double relative = distance * per_fade_;
     out.solid = decay(relative * relative);

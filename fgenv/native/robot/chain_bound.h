@@ -25,7 +25,7 @@ public:
 
     // Acceleration of a frame that is fixed in the link, at l from its origin.
     Acceleration acceleration(Vec3 l) const {
-        return {askew * (at_ + ride(norm(l), off_axis(l))), askew * (turning_ + w_ * w_)};
+        return {orthonormality * (at_ + ride(norm(l), off_axis(l))), orthonormality * (turning_ + w_ * w_)};
     }
 
     // Add a revolute joint; l: from the link's origin to the joint's, a: its axis, both in the link's frame.
@@ -51,7 +51,6 @@ public:
     void pass(const Rigid& next) { axis_ = unrotate(next, axis_); }
 
 private:
-    static constexpr double askew = 1.0001;   // poses may deviate from orthonormal by 1e-5
     static constexpr double parallel = 1e-6;  // sine of the angle below which axes count as parallel
 
     double off_axis(Vec3 l) const { return norm(cross(axis_, l)); }

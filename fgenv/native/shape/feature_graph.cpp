@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "math/predicates.h"
+#include "math/trig.h"
 #include "shape/patches.h"
 
 namespace fgenv {
@@ -84,7 +84,7 @@ std::array<int32_t, 2> as_first_face_runs(const Mesh& mesh, const Edge& e) {
 double dihedral(const Mesh& mesh, const Edge& e) {
     const Vec3 n1 = unit(area_vector(mesh, e.face[0])), n2 = unit(area_vector(mesh, e.face[1]));
     const double angle = std::atan2(norm(cross(n1, n2)), dot(n1, n2));
-    return fold(mesh, e) > 0 ? std::numbers::pi - angle : std::numbers::pi + angle;
+    return fold(mesh, e) > 0 ? pi - angle : pi + angle;
 }
 
 FeatureGraph build_graph(const Mesh& mesh, const GraphSettings& settings) {

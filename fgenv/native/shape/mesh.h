@@ -33,11 +33,16 @@ struct Mesh {
     bool watertight = false;      // every shell is closed
     Box bounds = empty_box();
     Repairs repairs;
-    std::vector<std::array<Vec3, 3>> flat;  // the dropped faces of zero area that may close T-junctions
+    std::vector<Triangle> flat;  // the dropped faces of zero area that may close T-junctions
 };
 
 // Indices must be in range and coordinates finite.
 Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces);
+
+static inline Triangle triangle(const Mesh& mesh, int32_t face) {
+    const Face& f = mesh.faces[face];
+    return {mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]};
+}
 
 // Not normalized; length is twice the area.
 static inline Vec3 area_vector(const Mesh& mesh, int32_t face) {

@@ -42,7 +42,7 @@ struct BoxSearch {
     int depth;
 };
 
-FGENV_INLINE uint32_t meeting(const BoxSearch& search, int level, int block) {
+FGENV_INLINE uint32_t overlapping(const BoxSearch& search, int level, int block) {
     const BoxBlock& b = search.boxes.levels[level][block];
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) meet &= (load(b.lo[i]) <= splat(search.hi[i])) & (load(b.hi[i]) >= splat(search.lo[i]));
@@ -52,7 +52,7 @@ FGENV_INLINE uint32_t meeting(const BoxSearch& search, int level, int block) {
 FGENV_INLINE BoxSearch search_boxes(const PackedBoxes& boxes, const float lo[3], const float hi[3]) {
     BoxSearch search{boxes, {lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}, {}, 0};
     const int top = static_cast<int>(boxes.levels.size()) - 1;
-    if (top >= 0) search.stack[search.depth++] = {top, 0, meeting(search, top, 0)};
+    if (top >= 0) search.stack[search.depth++] = {top, 0, overlapping(search, top, 0)};
     return search;
 }
 
@@ -74,7 +74,7 @@ FGENV_INLINE int32_t next_of_level(BoxSearch& search, int level_wanted) {
         e.lanes &= e.lanes - 1;
         if (e.level == level_wanted) return child;
         const int32_t level = e.level - 1;
-        search.stack[search.depth++] = {level, child, meeting(search, level, child)};
+        search.stack[search.depth++] = {level, child, overlapping(search, level, child)};
     }
     return -1;
 }

@@ -19,13 +19,13 @@ std::vector<double> canonical(const Robot& robot, const std::vector<double>& q) 
 }
 
 // Uniform within the limits; a free base is level.
-std::vector<double> anywhere(const Agent& agent, Dice& dice) {
+std::vector<double> anywhere(const Agent& agent, Rng& rng) {
     std::vector<double> q;
     for (int32_t k = 0; k < agent.robot->nq(); ++k)
-        q.push_back(dice.between(agent.drive.lower[k], agent.drive.upper[k]));
+        q.push_back(rng.between(agent.drive.lower[k], agent.drive.upper[k]));
     if (agent.base() == 7) {
         double s, c;
-        sin_cos(dice.between(-0.5 * pi, 0.5 * pi), s, c);
+        sin_cos(rng.between(-0.5 * pi, 0.5 * pi), s, c);
         q[3] = q[4] = 0, q[5] = s, q[6] = c;
     }
     return q;
@@ -75,13 +75,13 @@ void Simulator::reset(int32_t e, const uint64_t* seed) {
     Episode& episode = *episodes_[e];
     if (seed) episode.seed = *seed;
     episode.number = seed ? 0 : episode.number + 1;
-    Dice dice(episode.seed, static_cast<uint64_t>(episode.number));
+    Rng rng(episode.seed, static_cast<uint64_t>(episode.number));
     const int64_t cases = static_cast<int64_t>(agents_[0].starts.size());
     const uint64_t turn = episode.seed + static_cast<uint64_t>(episode.number);
-    episode.of_case = cases < 2 ? 0 : settings_.in_order ? static_cast<int64_t>(turn % cases) : dice.below(cases);
+    episode.of_case = cases < 2 ? 0 : settings_.in_order ? static_cast<int64_t>(turn % cases) : rng.below(cases);
     if (!stands_.empty()) episode.world.set_poses(stands_, poses_[episode.of_case]);
     Targets starts, goals;
-    if (!settings_.random || !scatter(episode, dice, goals) || !scatter(episode, dice, starts)) {
+    if (!settings_.random || !scatter(episode, rng, goals) || !scatter(episode, rng, starts)) {
         starts.clear(), goals.clear();
         for (const Agent& agent : agents_) {
             starts.push_back(agent.starts[episode.of_case]);
@@ -92,7 +92,7 @@ void Simulator::reset(int32_t e, const uint64_t* seed) {
 }
 
 // Where nobody meets anybody; false if no room is found.
-bool Simulator::scatter(Episode& episode, Dice& dice, Targets& out) const {
+bool Simulator::scatter(Episode& episode, Rng& rng, Targets& out) const {
     for (const Agent& agent : agents_) episode.world.set_present(agent.id, false);
     for (const Agent& agent : agents_) {
         const double margin = agent.parts.size() == 1 ? room : 0;
@@ -100,7 +100,7 @@ bool Simulator::scatter(Episode& episode, Dice& dice, Targets& out) const {
         Place place;
         do {
             if (left-- == 0) return false;
-            place.q = anywhere(agent, dice);
+            place.q = anywhere(agent, rng);
         } while (episode.world.collides(agent.id, place, now, margin));
         episode.world.set_configuration(agent.id, place.q);
         episode.world.set_present(agent.id, true);

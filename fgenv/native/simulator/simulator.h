@@ -160,7 +160,7 @@ private:
     void begin(Episode& episode, const Targets& starts, const Targets& goals);
     void put(Episode& episode, int32_t i, const std::vector<double>& start, const std::vector<double>& goal);
     void set_path(Episode& episode, int32_t i, Way path);
-    bool scatter(Episode& episode, Dice& dice, Targets& out) const;
+    bool scatter(Episode& episode, Rng& rng, Targets& out) const;
     bool drive(Episode& episode, int32_t i, const double* asked, Place& to);
     void meet(Episode& episode, int32_t i, const MotionOutcome& outcome, const std::vector<int32_t>& order,
               const std::vector<Place>& from, const std::vector<Place>& to);

@@ -1,129 +1,24 @@
-// Splits by surface area (I. Wald, "On fast construction of SAH-based bounding volume hierarchies",
-// 2007) along the axes of the box that fits, then the binary tree is cut into nodes of eight so that the
-// sum of the nodes' areas is least (H. Ylitie et al., "Efficient incoherent ray traversal on GPUs
-// through compressed wide BVHs", 2017, section 3.1).
+// Builds a binary tree by surface-area splits along the axes of the fitted box, then cuts it into nodes of
+// eight with the least sum of areas (H. Ylitie et al., "Efficient incoherent ray traversal on GPUs through
+// compressed wide BVHs", 2017, section 3.1).
 #include "shape/tree.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "shape/oriented_box.h"
+#include "shape/surface_area_split.h"
 
 namespace fgenv {
 namespace {
 
-constexpr int bins = 16;
-constexpr int32_t sweep_limit = 64;            // faces; below, every position is tried
 constexpr int halving_depth = max_depth - 40;  // from here on parts are at most half: 31 levels more
-
-// What a set of faces costs to test, in leaves: a half-filled leaf costs as much as a full one.
-double leaf_count(int32_t faces) { return (faces + lanes - 1) / lanes; }
 
 struct Range {
     int32_t first, count;
     Box upright;
     OrientedBox fitted;
 };
-
-// A face as a split sees it: its box in the frame of the range's fitted box.
-struct Item {
-    float lo[3], hi[3], center[3];
-    int32_t face;
-};
-
-struct Bounds {
-    float lo[3] = {1e30f, 1e30f, 1e30f}, hi[3] = {-1e30f, -1e30f, -1e30f};
-    void add(const float* l, const float* h) {
-        for (int i = 0; i < 3; ++i) {
-            lo[i] = l[i] < lo[i] ? l[i] : lo[i];
-            hi[i] = h[i] > hi[i] ? h[i] : hi[i];
-        }
-    }
-    double half_area() const {
-        const double x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-        return x * y + y * z + z * x;
-    }
-};
-
-struct Split {
-    double cost = std::numeric_limits<double>::infinity();
-    int axis = -1;
-    int32_t left = 0;  // faces on the left (sweep), or the first bin on the right
-};
-
-// Every position of the faces sorted along each axis.
-Split sweep(Item* items, int32_t count) {
-    Split best;
-    double right_area[sweep_limit];
-    const auto sort_along = [&](int axis) {
-        std::sort(items, items + count, [axis](const Item& a, const Item& b) {
-            return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.face < b.face;
-        });
-    };
-    for (int axis = 0; axis < 3; ++axis) {
-        sort_along(axis);
-        Bounds bounds;
-        for (int32_t i = count - 1; i > 0; --i) {
-            bounds.add(items[i].lo, items[i].hi);
-            right_area[i] = bounds.half_area();
-        }
-        bounds = {};
-        for (int32_t i = 1; i < count; ++i) {
-            bounds.add(items[i - 1].lo, items[i - 1].hi);
-            const double cost = bounds.half_area() * leaf_count(i) + right_area[i] * leaf_count(count - i);
-            if (cost < best.cost) best = {cost, axis, i};
-        }
-    }
-    if (best.axis >= 0 && best.axis != 2) sort_along(best.axis);
-    return best;
-}
-
-// The same at the borders of bins; the faces are parted accordingly.
-Split split_at_bins(Item* items, int32_t count) {
-    Bounds centers;
-    for (int32_t i = 0; i < count; ++i) centers.add(items[i].center, items[i].center);
-    float scale[3];
-    struct Bin {
-        Bounds bounds;
-        int32_t count = 0;
-    } bin[3][bins];
-    for (int axis = 0; axis < 3; ++axis) {
-        const float width = centers.hi[axis] - centers.lo[axis];
-        scale[axis] = width > 1e-30f ? bins * 0.9999f / width : 0;
-    }
-    const auto bin_of = [&](const Item& item, int axis) {
-        return static_cast<int>((item.center[axis] - centers.lo[axis]) * scale[axis]);
-    };
-    for (int32_t i = 0; i < count; ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            Bin& b = bin[axis][bin_of(items[i], axis)];
-            b.bounds.add(items[i].lo, items[i].hi);
-            ++b.count;
-        }
-    Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-        double right_area[bins];
-        Bounds sum;
-        for (int b = bins - 1; b > 0; --b) {
-            sum.add(bin[axis][b].bounds.lo, bin[axis][b].bounds.hi);
-            right_area[b] = sum.half_area();
-        }
-        sum = {};
-        int32_t left = 0;
-        for (int b = 1; b < bins; ++b) {
-            sum.add(bin[axis][b - 1].bounds.lo, bin[axis][b - 1].bounds.hi);
-            left += bin[axis][b - 1].count;
-            if (left == 0 || left == count) continue;
-            const double cost = sum.half_area() * leaf_count(left) + right_area[b] * leaf_count(count - left);
-            if (cost < best.cost) best = {cost, axis, b};
-        }
-    }
-    if (best.axis < 0) return best;
-    Item* middle = std::stable_partition(items, items + count,
-                                         [&](const Item& item) { return bin_of(item, best.axis) < best.left; });
-    best.left = static_cast<int32_t>(middle - items);
-    return best;
-}
 
 class TreeBuilder {
 public:
@@ -225,8 +120,7 @@ private:
         place_items(range);
         Item* items = items_.data() + range.first;
         int32_t left = 0;
-        if (depth < halving_depth)
-            left = (range.count <= sweep_limit ? sweep(items, range.count) : split_at_bins(items, range.count)).left;
+        if (depth < halving_depth) left = split_by_surface_area(items, range.count);
         if (left <= 0 || left >= range.count) left = range.count / 2;
         return {fit(range.first, left), fit(range.first + left, range.count - left)};
     }
