@@ -1,7 +1,7 @@
 // libFuzzer in small, for compilers without it, with its arguments: -max_total_time=SECONDS, -seed=N, a
 // folder to start from and to keep what is found in, or files to run again. Mutations are seeded; an
-// input that reaches code that none before it reached is kept and mutated in its turn. What is reached,
-// GCC's -fsanitize-coverage=trace-pc tells. This file is compiled without it.
+// input that reaches code that none before it reached is kept and mutated in its turn. GCC's
+// -fsanitize-coverage=trace-pc reports the code that is reached. This file is compiled without it.
 #include <chrono>
 #include <csignal>
 #include <cstdint>

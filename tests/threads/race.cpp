@@ -1,5 +1,5 @@
-// Several threads on one World, under the thread sanitizer: whoever asks shares its mutex, whoever
-// changes has it alone. Run by race.sh; with `unlocked` nobody locks, which the sanitizer must tell.
+// Several threads on one World, under the thread sanitizer: queries share its mutex, changes hold it
+// alone. Run by race.sh; with `unlocked` no thread locks, and the sanitizer must report it.
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -88,7 +88,7 @@ double ask(const World& w, Random& random) {
     return sum;
 }
 
-// One of each change; what comes goes again.
+// One of each change; every addition is undone.
 void change(World& w, Random& random, const std::shared_ptr<Shape>& shape, const std::string& name) {
     const BodyId even = 2 * random.below(bodies / 2);
     const auto once = [&](auto&& what) {

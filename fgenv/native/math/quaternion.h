@@ -25,7 +25,7 @@ static inline void to_matrix(Quaternion q, double (&r)[3][3]) {
     r[2][0] = zx - yw, r[2][1] = yz + xw, r[2][2] = 1 - xx - yy;
 }
 
-// Of a rotation, w not below 0.
+// Quaternion of a rotation, with w >= 0.
 static inline Quaternion quaternion_of(const Rigid& m) {
     double w;
     Vec3 v;
@@ -33,7 +33,7 @@ static inline Quaternion quaternion_of(const Rigid& m) {
     return normalized(w < 0 ? Quaternion{-v.x, -v.y, -v.z, -w} : Quaternion{v.x, v.y, v.z, w});
 }
 
-// The second as seen from the first, w not below 0.
+// Rotation b seen from a, with w >= 0.
 static inline Quaternion relative(Quaternion a, Quaternion b) {
     const Vec3 u{a.x, a.y, a.z}, v{b.x, b.y, b.z};
     const Vec3 t = a.w * v - b.w * u - cross(u, v);

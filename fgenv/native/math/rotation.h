@@ -21,14 +21,14 @@ static inline Rigid compose(const Rigid& outer, const Rigid& inner) {
 
 static inline Vec3 origin(const Rigid& m) { return {m.t[0], m.t[1], m.t[2]}; }
 
-// The transpose of m's rotation times v: the inverse, as far as m is orthonormal.
+// m's rotation, transposed, times v: the inverse rotation if m is orthonormal.
 static inline Vec3 unrotate(const Rigid& m, Vec3 v) {
     return {m.r[0][0] * v.x + m.r[1][0] * v.y + m.r[2][0] * v.z, m.r[0][1] * v.x + m.r[1][1] * v.y + m.r[2][1] * v.z,
             m.r[0][2] * v.x + m.r[1][2] * v.y + m.r[2][2] * v.z};
 }
 
-// Of the quaternion of a rotation, up to a factor over 0, by its largest part (S. Shepperd, "Quaternion from
-// rotation matrix", 1978).
+// Quaternion of a rotation times a positive factor, from its largest component (S. Shepperd, "Quaternion
+// from rotation matrix", 1978).
 static inline void quaternion_parts(const double (&m)[3][3], double& w, Vec3& v) {
     const double trace = m[0][0] + m[1][1] + m[2][2];
     if (trace >= m[0][0] && trace >= m[1][1] && trace >= m[2][2]) {

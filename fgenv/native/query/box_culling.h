@@ -5,13 +5,13 @@
 
 namespace fgenv {
 
-// Half the sum of a box's sides; of what it bounds, the larger one is opened first.
+// Half the sum of a box's sides. The larger of two boxes is opened first.
 template <class Bounded>
 FGENV_INLINE float size(const Bounded& x) {
     return x.half[0] + x.half[1] + x.half[2];
 }
 
-// In the frame of the shape whose node it is tested against; the fourth numbers mean nothing.
+// A box in the frame of the other shape; the fourth lanes are unused.
 struct PosedBox {
     F4 c, axis[3];
     float h[3];
@@ -40,7 +40,7 @@ FGENV_INLINE void load_axes(const Oriented& n, F8 (&axis)[3][3]) {
     }
 }
 
-// Which of the eight meet `box`: the normals of both boxes' faces, then the products of their edges.
+// The boxes of a node that overlap `box`: normals of both boxes' faces, then products of their edges.
 // `centers`: squared distances of the centers, for the order of the search.
 FGENV_INLINE uint32_t overlapping(const Oriented& n, const PosedBox& box, float slack, F8& centers) {
     F8 d[3], h[3], r[3][3], abs_r[3][3], along_n[3];

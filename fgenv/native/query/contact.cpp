@@ -1,4 +1,4 @@
-// What shows a collision of two shapes, as a point and a direction.
+// Evidence of a collision of two shapes, as a point and a direction.
 #include "query/contact.h"
 
 namespace fgenv {
@@ -6,12 +6,12 @@ namespace {
 
 Vec3 face_normal(const Shape& s, int32_t face) { return unit(area_vector(s.mesh, face)); }
 
-// Where the line pq meets the plane of face f; the middle of what is in it if it is in the plane.
+// Intersection of line pq with the plane of face f; if pq lies in the plane, the middle of its part inside f.
 Vec3 crossing_point(Vec3 p, Vec3 q, const Vec3 f[3]) {
     const Vec3 n = cross(f[1] - f[0], f[2] - f[0]);
     const double hp = dot(n, p - f[0]), hq = dot(n, q - f[0]);
     if (hp == hq) {
-        // In the plane: the part of pq inside the face's three sides.
+        // pq lies in the plane: clip it by the face's three sides.
         double lo = 0, hi = 1;
         for (int k = 0; k < 3; ++k) {
             const Vec3 outward = cross(f[(k + 1) % 3] - f[k], n);

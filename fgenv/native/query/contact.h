@@ -1,4 +1,4 @@
-// Where two posed shapes touch, and which way leads apart.
+// Contact point and separating direction of two posed shapes.
 #pragma once
 
 #include "query/kernels.h"
@@ -13,7 +13,7 @@ struct ContactInfo {
     int32_t face = -1;
 };
 
-// Of shapes that collide, by what shows it first; `lossless` as for the kernel `collide`.
+// Contact of two shapes, from the first witness that is found; `lossless` as for the kernel `collide`.
 ContactInfo contact_of(const Shape& a, const Rigid& ta, const Shape& b, const Rigid& tb, bool lossless);
 
 // Points and vectors in a's frame.

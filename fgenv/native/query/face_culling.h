@@ -99,7 +99,7 @@ FGENV_INLINE uint32_t faces_near_box(FacesF& f, const float lo[3], const float h
     return among & bits(abs(at_center) <= radius);
 }
 
-// The same for a turned box, in its own frame's axes: where a leaf's box is a thin plate this tells most.
+// The same for an oriented box, along its own axes: the sharpest test where a leaf's box is a thin plate.
 // Faces that are larger than the box are asked by their upright boxes as well. `box.c` is relative to the
 // faces' origin; `slack` holds the errors of placing it.
 FGENV_INLINE uint32_t faces_near_box(FacesF& f, const PosedBox& box, float slack, const Local& local, uint32_t among,

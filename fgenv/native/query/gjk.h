@@ -1,4 +1,4 @@
-// Which way two convex hulls are apart: the point nearest to the origin of the hull of all differences,
+// Direction in which two convex hulls are apart: the point nearest to the origin of the hull of all differences,
 // by a simplex of its corners (E. Gilbert, D. Johnson, S. Keerthi, "A fast procedure for computing the
 // distance between complex objects in three-dimensional space", 1988).
 #pragma once
@@ -39,7 +39,7 @@ static inline Vec3 nearest_of_face(Simplex& s, Vec3 a, Vec3 b, Vec3 c) {
     return a + (vb / sum) * ab + (vc / sum) * ac;
 }
 
-// Of the whole simplex; (0, 0, 0) if the origin is inside.
+// The point of a simplex nearest to the origin; (0, 0, 0) if the origin is inside.
 static inline Vec3 nearest_of_simplex(Simplex& s) {
     const Simplex all = s;
     const Vec3* p = all.p;
@@ -63,7 +63,7 @@ static inline Vec3 nearest_of_simplex(Simplex& s) {
     return best;
 }
 
-// From the first hull to the second, not of unit length; (0, 0, 0) where they overlap. `corner(n)` is the
+// Vector from the first hull to the second; (0, 0, 0) if they overlap. `corner(n)` is the
 // corner of the differences, second less first, that is farthest against n. A good guess saves steps.
 template <class Corner>
 static inline Vec3 direction_apart(const Corner& corner, Vec3 guess) {

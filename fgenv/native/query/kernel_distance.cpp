@@ -21,7 +21,7 @@ struct Search {
     double best;  // squared
     bool any;
     int32_t face_a = -1, face_b = -1;
-    // Unit, a's frame, from a to b along the shortest way known: what is farther apart than that along
+    // Unit vector in a's frame, from a to b along the shortest segment known: faces that are farther apart along
     // it cannot be nearer.
     float towards_b[3] = {0, 0, 0};
     float towards_a[3] = {0, 0, 0};  // the opposite in b's frame

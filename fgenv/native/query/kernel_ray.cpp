@@ -37,7 +37,7 @@ struct Ray {
 Ray make_ray(Vec3 o, Vec3 d) {
     Ray ray{{o.x, o.y, o.z}, {d.x, d.y, d.z}, {}};
     for (int i = 0; i < 3; ++i) {
-        // Parallel to the slab: a huge slope still tells inside from outside, without 0 * infinity.
+        // Parallel to the slab: a huge slope separates inside from outside without 0 * infinity.
         const double safe = std::fabs(ray.d[i]) > 1e-18 ? ray.d[i] : std::copysign(1e-18, ray.d[i]);
         ray.inv[i] = 1.0 / safe;
     }
@@ -72,7 +72,7 @@ double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
         magnitude += std::fabs(ahead) + std::fabs(behind);
         weighted += area * depth[(k + 2) % 3];
     }
-    // Seen edge-on there is no depth to tell: the faces beside it have the sides that the ray meets.
+    // A face seen edge-on has no depth: the ray meets its sides in the neighboring faces.
     if ((positive && negative) || std::fabs(sum) <= 1e-15 * magnitude) return -1;
     const double s = weighted / sum;
     return s >= 0 ? s : -1;
@@ -88,7 +88,7 @@ float above(double x) {
     return f + std::fabs(f) * 0x1p-22f;
 }
 
-// Faces of a leaf whose box the box [lo, hi] meets.
+// Faces of a leaf with a box that overlaps [lo, hi].
 FGENV_INLINE uint32_t faces_near_bounds(const Leaf& leaf, const double lo[3], const double hi[3]) {
     I8 meet = I8{} == 0;
     for (int i = 0; i < 3; ++i) {

@@ -7,7 +7,7 @@
 
 namespace fgenv {
 
-// What shows a collision. With an edge: edge (k, k + 1) of a face, or chord k of a's loop, meets the
+// Evidence of a collision. With an edge: edge (k, k + 1) of a face, or chord k of a's loop, meets the
 // other shape's face. Without: a point of one shape's part is inside the other.
 struct Witness {
     enum Side : uint8_t { none, edge_of_a, edge_of_b, chord_of_a, a_inside_b, b_inside_a };
@@ -70,9 +70,9 @@ struct Kernels {
     int (*winding)(const Shape& shape, Vec3 p, bool& touching);
     // First face found that segment pq meets, -1 if none.
     int32_t (*segment)(const Shape& shape, Vec3 p, Vec3 q);
-    // Pairs of faces that may meet in the stretch, none left out; how many, capacity + 1 if there are more.
+    // All pairs of faces that may meet in the stretch; returns their number, capacity + 1 if there are more.
     int (*sweep)(const Shape& a, const Shape& b, const Sweep& sweep, FacePair* out, int capacity);
-    // Of the pairs, those that may meet before or after the moment, moved to the front; how many.
+    // Moves the pairs that may meet within the window to the front; returns their number.
     int (*drop_separated)(const Shape& a, const Shape& b, const SeparationWindow& window, FacePair* pairs, int count);
     // The nearest points of two faces that do not cross.
     Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
@@ -81,7 +81,7 @@ struct Kernels {
 const Kernels& kernels();    // the table in use
 const char* kernels_name();  // "v3", "baseline"
 
-// Whether two bodies collide or are nearer than `margin` (meters), which only the exact graphs tell.
+// Whether two bodies collide or are nearer than `margin` (meters); a margin needs the exact graphs.
 static inline bool hits(const Shape& a, const Shape& b, const Rigid& b_in_a, double margin, bool lossless) {
     return kernels().collide(a, b, b_in_a, lossless || margin > 0, nullptr) ||
            (margin > 0 && kernels().nearest(a, b, b_in_a, margin * margin, true).face_a >= 0);

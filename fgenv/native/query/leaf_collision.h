@@ -68,7 +68,7 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const PosedBox& b
     find_boxes(b);
     find_normals(b);
 
-    // Which side leads must not depend on how the culls round where it decides what is found first.
+    // With a witness the order must not depend on how the tests round: the first pair found is reported.
     if (q.witness || __builtin_popcount(in_a) <= __builtin_popcount(in_b)) {
         for (; in_a; in_a &= in_a - 1) {
             const int i = __builtin_ctz(in_a);
@@ -86,7 +86,7 @@ static inline bool leaves_meet(const Query& q, const Leaf& la, const PosedBox& b
 }
 
 // Whether a face of a leaf may meet a box. Asked before a box is opened against a leaf with larger faces:
-// their planes tell more than the leaf's box.
+// their planes are sharper than the leaf's box.
 static inline bool reaches(const Leaf& leaf, const PosedBox& box, float slack) {
     FacesF faces;
     return faces_near_box(leaf, box, slack, faces) != 0;

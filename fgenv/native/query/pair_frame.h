@@ -55,7 +55,7 @@ static inline PairFrames pair_frames(const Shape& a, const Shape& b, const Rigid
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) r[i][j] = transposed[j][i] = static_cast<float>(pose.r[i][j]);
         t[i] = static_cast<float>(pose.t[i]);
-        // The transpose will do for the inverse: what they differ by is in the slack.
+        // The transpose serves as the inverse: the slack covers the difference.
         back[i] = static_cast<float>(-(pose.r[0][i] * pose.t[0] + pose.r[1][i] * pose.t[1] + pose.r[2][i] * pose.t[2]));
     }
     return {pair_frame(r, t, slack), pair_frame(transposed, back, slack)};

@@ -37,7 +37,7 @@ struct Placed {
 
 Placed place(const Shape& shape, int32_t body, const Rigid& pose, const Camera& camera, const SunFrame& sun);
 SunFrame sun_frame(Vec3 to);
-// Of the hull of points: nothing if all are behind the eye, everything if some are.
+// Bounds of points in the picture: empty if all are behind the eye, the whole plane if some are.
 PixelBox pixel_box(const Camera& camera, const Vec3* points, int n, double& nearest);
 
 static inline Vec3 in_sun_frame(const SunFrame& sun, Vec3 p) { return {dot(sun.u, p), dot(sun.v, p), dot(sun.to, p)}; }

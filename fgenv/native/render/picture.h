@@ -68,7 +68,7 @@ private:
     };
     static constexpr int32_t sky = -1, sunny_ground = -2, shaded_ground = -3;
 
-    struct Surface {  // what a ray sees
+    struct Surface {  // the surface that a ray meets
         int32_t owner;
         Vec3 point, normal, albedo, sky;
         double solid;  // 0: the sky alone, 1: the surface alone
@@ -77,7 +77,7 @@ private:
         double transmittance = 1;  // of the translucent bodies before the surface
         Vec3 veil = {0, 0, 0};     // light that these bodies add
     };
-    struct Bundle {  // rays through one tile and what they may meet
+    struct Bundle {  // rays through one tile, and the bodies and marks that they may meet
         PixelBox box;
         std::vector<int32_t> bodies, translucent, marks, casters;  // bodies by their nearest depth
         std::vector<Sight> layers;                                 // scratch of one ray

@@ -1,4 +1,4 @@
-// What the rays of a picture see, and the light on it.
+// The surfaces that the rays of a picture meet, and the light on them.
 #include <algorithm>
 
 #include "render/picture.h"

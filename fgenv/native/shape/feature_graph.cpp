@@ -13,7 +13,7 @@
 namespace fgenv {
 namespace {
 
-// Radians. Rounding must not decide on regular solids, whose angles tie with the threshold.
+// Radians. Rounding must not decide on regular solids: their angles tie with the threshold.
 constexpr double angle_tie = 1e-9;
 
 // Sign of the fold: > 0 along a valley (the neighbor rises above the face), 0 if exactly coplanar.

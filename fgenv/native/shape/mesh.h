@@ -7,7 +7,7 @@
 
 namespace fgenv {
 
-// Two faces at most are told apart; `faces_around` counts them all.
+// At most two faces are stored; `faces_around` counts all.
 struct Edge {
     int32_t a, b;     // vertices, a < b
     int32_t face[2];  // the first two faces around it, face[1] = -1 on a border
@@ -15,7 +15,7 @@ struct Edge {
     bool opposed;  // exactly two faces, and they run along the edge in opposite directions
 };
 
-// What reading the mesh had to change.
+// Changes made while reading the mesh.
 struct Repairs {
     int64_t merged_vertices = 0;
     int64_t unused_vertices = 0;

@@ -149,7 +149,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
     find_pieces(shape, mesh);
     shape.box = corners_of(shape.tree.boxes[0]);
     shape.mesh = std::move(mesh);
-    // What only the build needed.
+    // Only the build needed these.
     shape.graph.kept = {};
     shape.graph.lossless = {};
     shape.mesh.edges = {};

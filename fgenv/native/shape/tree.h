@@ -1,7 +1,7 @@
 // The one tree of a shape: eight boxes a node, eight faces a leaf, lanes side by side. Boolean query,
 // distance, ray and containment walk it. Boxes are floats, rounded so that none shrinks; vertices are
-// floats relative to their leaf, so that what they are rounded by is in proportion to the leaf and not
-// to the mesh. Whatever is close on floats is decided in double.
+// floats relative to their leaf, so that their rounding errors are in proportion to the leaf and not to
+// the mesh. Close cases are decided in double.
 #pragma once
 
 #include <vector>
