@@ -61,7 +61,7 @@ Rigid carried(const Joint& joint, const Rigid& at, const double* x) {
 }
 
 int32_t common_link(const Robot& robot, int32_t a, int32_t b) {
-    while (a != b) (a > b ? a : b) = robot.joints[greater(a, b)].parent;  // parents come before
+    while (a != b) (a > b ? a : b) = robot.joints[a > b ? a : b].parent;  // parents come before
     return a;
 }
 
