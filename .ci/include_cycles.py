@@ -19,7 +19,7 @@ ALLOWED = {  # folder: the folders that it may include
 }
 includes = {
     str(path.relative_to(NATIVE)): re.findall(r'^#include "(.+)"', path.read_text(), re.M)
-    for path in NATIVE.glob("*/*.[hc]*")
+    for path in NATIVE.rglob("*.[hc]*")
 }
 errors = [
     f"{path}: includes {name}, which is in no layer below"
