@@ -33,24 +33,24 @@ def env(
     Needs the bench extra: pip install "fgenv\\[bench]".
     """
     from fgenv.bench.common.ratios import of_rates
-    from fgenv.bench.env.peers import peers, versions
+    from fgenv.bench.common.records import geometric_means
+    from fgenv.bench.env.libraries import installed, versions
     from fgenv.bench.env.run import bench_env
-    from fgenv.bench.pairs.run import summary
     from fgenv.view.figures import bars
 
     report = BenchReport(as_json, plot=plot)
     report.machine(versions())
 
     def records(status: Status) -> Iterator[tuple[str, dict[str, Any]]]:
-        for done, (part, record) in enumerate(bench_env(peers(), seed=seed, quick=quick), 1):
+        for done, (part, record) in enumerate(bench_env(installed(), seed=seed, quick=quick), 1):
             yield part, record
             status.update(f"{part}: {done} rows done")
 
     rows = report.collect(records, show, "rates")
     if plot is not None:
-        bars.plot_ratios(of_rates(rows["rates"]), "Robot-steps in a CPU second", plot)
+        bars.plot_ratios(of_rates(rows["rates"]), "Robot-steps per CPU second", plot)
     settings = {"seed": seed, "quick": quick}
-    report.finish(settings=settings, **rows, summary=summary(rows["rates"]))
+    report.finish(settings=settings, **rows, summary=geometric_means(rows["rates"]))
 
 
 def show(console: Console, part: str, rows: list[dict[str, Any]]) -> None:

@@ -25,13 +25,13 @@ def fleets(
     Every counted plan is certified: the motion of all robots at once, as it is executed. The
     whole benchmark takes some hours; with --cases 10, minutes.
     """
-    from fgenv.bench.fleets.report import NOTE, table_of
+    from fgenv.bench.fleets.report import NOTE, solved_shares, table_of
     from fgenv.bench.fleets.run import bench_fleets
-    from fgenv.bench.fleets.sets import chosen
+    from fgenv.bench.fleets.sets import select_fleets
     from fgenv.view.figures import interval_plot
 
     report = BenchReport(as_json, plot=plot)
-    fleets = chosen(which)
+    fleets = select_fleets(which)
     report.machine()
     rows: list[dict[str, Any]] = []
     try:
@@ -46,13 +46,3 @@ def fleets(
         if plot is not None and rows:
             interval_plot.plot_shares(solved_shares(rows), "solved, of cases", plot)
         report.finish(cases=cases, rows=rows)
-
-
-def solved_shares(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Return the share of solved cases by fleet and method."""
-    from fgenv.confidence import rate
-
-    shares: dict[str, dict[str, Any]] = {}
-    for row in rows:
-        shares.setdefault(row["fleet"], {})[row["method"]] = rate(row["solved"], row["cases"])
-    return shares

@@ -45,13 +45,14 @@ def pairs(
     The libraries take turns on small batches of poses; the results are medians over rounds.
     """
     from fgenv.bench.common.ratios import of_pairs
-    from fgenv.bench.pairs.catalog import chosen
+    from fgenv.bench.common.records import geometric_means
+    from fgenv.bench.pairs.catalog import select_pairs
     from fgenv.bench.pairs.report import NOTE, peer_table, plot_times, ratio_table
-    from fgenv.bench.pairs.run import bench_pairs, summary
+    from fgenv.bench.pairs.run import bench_pairs
     from fgenv.bench.peers import peer, selected
     from fgenv.view.figures import bars
 
-    chosen(which)  # raises the error of a wrong name before anything is printed
+    select_pairs(which)  # reports a wrong name before anything is printed
     names = selected(peers)
     report = BenchReport(as_json, plot=plot, curves=curves)
     report.machine({name: peer(name).version for name in names})
@@ -62,7 +63,7 @@ def pairs(
             records.append(record)
             report.console.print(peer_table(record))
             status.update(f"{len(records)} pairs done")
-    overall = summary(records)
+    overall = geometric_means(records)
     if overall:
         report.console.print(ratio_table(records, overall))
     report.console.print(NOTE)

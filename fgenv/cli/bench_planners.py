@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.bench_report import BenchReport, package_versions, split_names
+from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, RatioPlot, Seed
 
 if TYPE_CHECKING:
@@ -70,7 +70,9 @@ def planners(
 
     Needs the bench extra: pip install "fgenv\\[bench]".
     """
+    from fgenv.bench.common.machine import package_versions
     from fgenv.bench.common.ratios import of_problems
+    from fgenv.bench.common.selection import split_names
     from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners
     from fgenv.view.figures import bars
 

@@ -41,7 +41,7 @@ class BenchReport:
 
     def machine(self, versions: Mapping[str, str] | None = None) -> None:
         """Print and store the machine and the versions of the libraries."""
-        from fgenv.bench.pairs.run import machine
+        from fgenv.bench.common.machine import machine
 
         about = machine()
         self.console.print(
@@ -81,15 +81,3 @@ class BenchReport:
         """Print the document if it was requested."""
         if self.as_json:
             typer.echo(json.dumps({**self.document, **more}, indent=1))
-
-
-def package_versions(names: Iterable[str]) -> dict[str, str]:
-    """Return the installed versions of packages."""
-    from importlib.metadata import version
-
-    return {name: version(name) for name in names}
-
-
-def split_names(text: str) -> tuple[str, ...]:
-    """Return the names in a list with commas."""
-    return tuple(name.strip() for name in text.split(",") if name.strip())

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, RatioPlot, Seed
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 Rounds = Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds.")]
 
@@ -28,6 +25,7 @@ def train(
     Needs the agents and bench extras: pip install "fgenv\\[agents,bench]".
     """
     from fgenv.bench.common.ratios import of_training
+    from fgenv.bench.common.tables import count, table, text
     from fgenv.bench.train.run import bench_train
     from fgenv.view.figures import bars
 
@@ -35,22 +33,16 @@ def train(
     report.machine()
     with report.console.status("learning") as status:
         records = bench_train(rounds=rounds, seed=seed, progress=status.update)
-    report.console.print(table_of(records))
+    columns = {
+        "rows by": ("name", text),
+        "rows": ("rows", count),
+        "gathered": ("gather", count),
+        "learned from": ("learn", count),
+    }
+    report.console.print(table("Samples per CPU second", columns, records))
     report.console.print(
         "gathered: the environment and the policy's actions; learned from: all of PPO"
     )
     if plot is not None:
-        bars.plot_ratios(of_training(records), "Samples in a CPU second", plot)
+        bars.plot_ratios(of_training(records), "Samples per CPU second", plot)
     report.finish(seed=seed, rates=records)
-
-
-def table_of(records: list[dict[str, Any]]) -> Table:
-    """Return the table of rates."""
-    from rich.table import Table
-
-    table = Table(title="Samples in a CPU second", box=None, title_justify="left")
-    for name in ("rows by", "rows", "gathered", "learned from"):
-        table.add_column(name, justify="left" if name == "rows by" else "right")
-    for r in records:
-        table.add_row(r["name"], f"{r['rows']:,}", f"{r['gather']:,.0f}", f"{r['learn']:,.0f}")
-    return table

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.bench_report import BenchReport, package_versions
+from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, RatioPlot, Seed, file_option
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def world(
 
     Needs the bench extra: pip install "fgenv\\[bench]".
     """
+    from fgenv.bench.common.machine import package_versions
     from fgenv.bench.common.ratios import of_steps
     from fgenv.bench.world.report import plot as plot_curves
     from fgenv.bench.world.run import bench_world

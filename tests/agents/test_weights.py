@@ -9,7 +9,7 @@ import pytest
 from fgenv.agents import NetworkPolicy
 from fgenv.agents.evaluation.case_runner import run_cases
 from fgenv.agents.weights import included
-from fgenv.bench.policies.run import chosen
+from fgenv.bench.policies.run import select_trials
 from fgenv.envs import policy_of
 from fgenv.scenarios import frozen
 
@@ -62,7 +62,7 @@ def test_files_are_small_and_have_their_command(name: str) -> None:
 
 
 def test_all_sets_have_scores() -> None:
-    assert {trial.name for trial in chosen("shipped")} == set(KNOWN)
+    assert {trial.name for trial in select_trials("shipped")} == set(KNOWN)
 
 
 def marked(name: str) -> Any:
@@ -72,7 +72,7 @@ def marked(name: str) -> Any:
 
 @pytest.mark.parametrize("name", [marked(name) for name in KNOWN])
 def test_scores_are_unchanged(name: str) -> None:
-    (trial,) = (trial for trial in chosen("shipped") if trial.name == name)
+    (trial,) = (trial for trial in select_trials("shipped") if trial.name == name)
     cases = frozen(trial.scenario, cases=12, **trial.overrides)
     found = run_cases(cases, policy_of(f"mlp:{trial.policy}"), range(12), clearance=False)
     steps = max(episode.results.steps for episode in found)

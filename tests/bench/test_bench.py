@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from fgenv.bench.common.machine import machine
 from fgenv.bench.common.memory import kept_bytes
 from fgenv.bench.common.poses import (
     random_directions,
@@ -14,10 +15,11 @@ from fgenv.bench.common.poses import (
     random_rotations,
     surface_points,
 )
+from fgenv.bench.common.records import geometric_means
 from fgenv.bench.common.timing import each_call, race
-from fgenv.bench.pairs.catalog import PAIRS, chosen
+from fgenv.bench.pairs.catalog import PAIRS, select_pairs
 from fgenv.bench.pairs.report import peer_table, plot_times, ratio_table
-from fgenv.bench.pairs.run import bench_pairs, machine, summary
+from fgenv.bench.pairs.run import bench_pairs
 from fgenv.bench.peers import installed, peer
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
@@ -41,7 +43,7 @@ def test_a_record_holds_every_number(tmp_path: pytest.TempPathFactory) -> None:
     assert record["threads_2"] > 0
     ratio = record["ratio"]
     assert ratio.keys() >= {"mean", "free", "hit", "call", "p99", "distance", "build"}
-    overall = summary([record])
+    overall = geometric_means([record])
     assert overall["mean"]["mean"] == pytest.approx(ratio["mean"])
     json.dumps({"machine": machine(), "pairs": [record], "summary": overall})
     assert peer_table(record).row_count == len(names)
@@ -51,18 +53,20 @@ def test_a_record_holds_every_number(tmp_path: pytest.TempPathFactory) -> None:
     assert path.stat().st_size > 1000
 
 
-def test_pairs_are_chosen_by_name() -> None:
+def test_pairs_are_selected_by_name() -> None:
     assert len(PAIRS) >= 12
-    assert {pair.name for pair in chosen("quick")} <= {pair.name for pair in chosen("all")}
-    assert [pair.name for pair in chosen("solo")] == ["solo legs"]
-    with pytest.raises(ValueError, match="pairs is 'nothing'"):
-        chosen("nothing")
-    with pytest.raises(ValueError, match="peers names 'bullet'"):
+    assert {pair.name for pair in select_pairs("quick")} <= {
+        pair.name for pair in select_pairs("all")
+    }
+    assert [pair.name for pair in select_pairs("solo")] == ["solo legs"]
+    with pytest.raises(ValueError, match="pairs: got 'nothing', expected"):
+        select_pairs("nothing")
+    with pytest.raises(ValueError, match="peers: got 'bullet', expected"):
         peer("bullet")
 
 
 def test_poses_are_the_same_for_the_same_seed() -> None:
-    pair = chosen("panda link5")[0]
+    pair = select_pairs("panda link5")[0]
     a, b = pair.a.load(), pair.b.load()
     fcl = peer("python-fcl")
     checker = fcl.pair(fcl.build(a), fcl.build(b), np.eye(4))
@@ -82,7 +86,7 @@ def test_what_poses_are_made_of() -> None:
     assert np.linalg.det(turns) == pytest.approx(1.0)
     assert np.abs(turns.mean(axis=0)).max() < 0.15
     assert np.linalg.norm(random_directions(rng, 50), axis=1) == pytest.approx(1.0)
-    mesh = chosen("panda link5")[0].a.load()
+    mesh = select_pairs("panda link5")[0].a.load()
     points = surface_points(rng, mesh, 100)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     assert ((points >= low - 1e-12) & (points <= high + 1e-12)).all()

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fgenv.bench.env import ours
-from fgenv.bench.env import peers as known
-from fgenv.bench.env.batch import Batch, Peer, race
-from fgenv.bench.env.peers import PEERS
+from fgenv.bench.common.records import geometric_means
+from fgenv.bench.env import fgenv_, libraries
+from fgenv.bench.env.batch import Batch, Library, race
+from fgenv.bench.env.libraries import LIBRARIES
 from fgenv.bench.env.report import NOTES, table_of
 from fgenv.bench.env.run import CARTS, bench_env, rates, view_cost
-from fgenv.bench.pairs.run import summary
 from fgenv.cli import app, errors
 from fgenv.scenarios import Scenario
 
@@ -39,8 +38,8 @@ class Clock:
 
         return Batch(robots, worlds, step)
 
-    def peer(self, name: str, seconds: float, batched: bool = True) -> Peer:
-        return Peer(name, name, "json", batched, lambda n, e, _: self.batch(n, e, seconds, []))
+    def peer(self, name: str, seconds: float, batched: bool = True) -> Library:
+        return Library(name, name, "json", batched, lambda n, e, _: self.batch(n, e, seconds, []))
 
 
 class FakeSimulator:
@@ -68,8 +67,8 @@ class FakeSimulator:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """Rates of a stand-in simulator, and of the libraries beside it."""
     clock = Clock()
-    monkeypatch.setattr(ours, "simulator", lambda scene, e: FakeSimulator(clock, scene, e))
-    monkeypatch.setattr(ours, "views", lambda robots, seed: {})
+    monkeypatch.setattr(fgenv_, "simulator", lambda scene, e: FakeSimulator(clock, scene, e))
+    monkeypatch.setattr(fgenv_, "views", lambda robots, seed: {})
     return clock
 
 
@@ -111,7 +110,7 @@ def test_a_load_that_comes_and_goes_leaves_the_ratio() -> None:
 
 
 def test_rows_ratios_and_tables(clock: Clock) -> None:
-    racing = [PEERS[0], clock.peer("VMAS", 8e-3), clock.peer("MPE2", 50e-3, batched=False)]
+    racing = [LIBRARIES[0], clock.peer("VMAS", 8e-3), clock.peer("MPE2", 50e-3, batched=False)]
     done: dict[str, list[dict[str, Any]]] = {}
     for kind, record in bench_env(racing, quick=False, clock=clock):
         done.setdefault(kind, []).append(record)
@@ -132,7 +131,7 @@ def test_rows_ratios_and_tables(clock: Clock) -> None:
     assert [r["robots"] for r in done["warehouse"]] == [CARTS] * 2
     (grown,) = done["growth"]
     assert grown["times"] == pytest.approx(1.63 / 1.07)
-    overall = summary(rows)
+    overall = geometric_means(rows)
     assert overall["VMAS"]["worst"] == pytest.approx(8 / 1.09)
     json.dumps([done, overall])
     for kind, records in done.items():
@@ -159,21 +158,21 @@ def test_a_view_costs_what_it_adds(clock: Clock) -> None:
 
 @pytest.mark.parametrize("robots", [4, 10, 64])
 def test_our_scenes_are_sound_and_of_real_meshes(robots: int) -> None:
-    scenes = [ours.random_scene(robots, 0), ours.warehouse_scene(robots, 0)]
+    scenes = [fgenv_.random_scene(robots, 0), fgenv_.warehouse_scene(robots, 0)]
     for scene in scenes:
         assert len(scene.robots) == robots
         assert scene.problems() == ()
         (model,) = scene.models.values()
         assert model.lidar is not None
-        assert model.lidar.rays == ours.RAYS
+        assert model.lidar.rays == fgenv_.RAYS
         assert len(scene.shapes[model.shape or ""].shape().faces) >= 200
 
 
 @pytest.mark.parametrize(("name", "worlds"), [("VMAS", 1), ("VMAS", 3), ("MPE2", 1)])
 def test_each_library_runs_a_round(name: str, worlds: int) -> None:
-    peer = next(peer for peer in PEERS if peer.name == name)
-    pytest.importorskip(peer.needs)
-    batch = peer.make(4, worlds, 0)
+    library = next(one for one in LIBRARIES if one.name == name)
+    pytest.importorskip(library.module)
+    batch = library.make(4, worlds, 0)
     assert batch.size == 4 * worlds
     times = race({name: batch}, 2, 0.01)
     assert times[name].shape == (2,)
@@ -187,12 +186,12 @@ def first_seen(out: Any) -> np.ndarray:
 
 def test_vmas_senses_and_collides_and_the_same_actions_do_the_same() -> None:
     pytest.importorskip("vmas")
-    batch = known.navigation(4, 3, 0)
+    batch = libraries.navigation(4, 3, 0)
     outs = []
     for _ in range(2):
         batch.restart()
         outs.append([first_seen(batch.step(k)) for k in range(5)])
-    assert outs[0][0].shape == (3, 2 + 2 + 2 + ours.RAYS)
+    assert outs[0][0].shape == (3, 2 + 2 + 2 + fgenv_.RAYS)
     assert np.array_equal(outs[0], outs[1])
     assert "pyglet.window" not in sys.modules  # needs a display
 
@@ -200,7 +199,7 @@ def test_vmas_senses_and_collides_and_the_same_actions_do_the_same() -> None:
 def test_mpe2_steps_one_world() -> None:
     pytest.importorskip("mpe2")
     with pytest.raises(ValueError, match="expected 1"):
-        known.spread(4, 2, 0)
+        libraries.spread(4, 2, 0)
 
 
 @pytest.mark.parametrize("name", ["vmas", "mpe2"])
@@ -210,9 +209,9 @@ def test_what_is_not_installed_is_told_with_the_remedy(name: str) -> None:
 
 
 def test_the_command_gives_one_document(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = [PEERS[0], clock.peer("VMAS", 8e-3)]
-    monkeypatch.setattr(known, "peers", lambda: made)
-    monkeypatch.setattr(known, "versions", lambda: {"fgenv": "1", "vmas": "2"})
+    made = [LIBRARIES[0], clock.peer("VMAS", 8e-3)]
+    monkeypatch.setattr(libraries, "installed", lambda: made)
+    monkeypatch.setattr(libraries, "versions", lambda: {"fgenv": "1", "vmas": "2"})
     monkeypatch.setattr(bench_env, "__kwdefaults__", {**bench_env.__kwdefaults__, "clock": clock})
     done = CliRunner().invoke(app, ["bench", "env", "--quick", "--json", "--seed", "3"])
     assert done.exit_code == 0

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from fgenv.bench.fleets.report import table_of
 from fgenv.bench.fleets.run import attempt, bench_fleets
-from fgenv.bench.fleets.sets import FLEETS, Fleet, chosen
+from fgenv.bench.fleets.sets import FLEETS, Fleet, select_fleets
 from fgenv.cli import app
 from fgenv.planners.methods import METHODS
 from fgenv.scenarios import Scenario
@@ -37,13 +37,11 @@ def test_what_is_not_solved_says_why() -> None:
 
 
 def test_fleets_are_chosen_by_words() -> None:
-    assert {fleet.scenario for fleet in chosen("Pandas,forest")} == {"cell", "forest"}
-    assert chosen("all") == FLEETS
+    assert {fleet.scenario for fleet in select_fleets("Pandas,forest")} == {"cell", "forest"}
+    assert select_fleets("all") == FLEETS
     assert {method for fleet in FLEETS for method in fleet.methods} <= set(METHODS)
-    with pytest.raises(
-        ValueError, match="nothing has 'trucks' in its name, expected a part of: swap"
-    ):
-        chosen("trucks")
+    with pytest.raises(ValueError, match="fleets: got 'trucks', expected a part of: swap"):
+        select_fleets("trucks")
 
 
 def test_the_command_tells_in_json() -> None:

@@ -187,7 +187,7 @@ def test_other_problems_are_refused(name: str) -> None:
 
 
 def test_resolution_is_checked() -> None:
-    with pytest.raises(ValueError, match=r"resolution: -1\.0, expected meters over 0"):
+    with pytest.raises(ValueError, match=r"resolution: got -1\.0, expected meters over 0"):
         Task.of("cubicles", -1.0)
 
 

@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.world.crowd import DRIFT, MESHES, TURN, crowd
+from fgenv.bench.world.goals import goals
 from fgenv.bench.world.motions import bench_motions, bullets, real_motions, steps
 from fgenv.bench.world.movers import along, bench_movers, bench_threads, between
 from fgenv.bench.world.peers import MANAGERS, managers, quaternions
 from fgenv.bench.world.report import plot, table_of
-from fgenv.bench.world.run import goals
-from fgenv.bench.world.steps import Cost, bench_steps, decided, growth
+from fgenv.bench.world.steps import Cost, Limits, bench_steps, decide, growth
 from fgenv.cli import app
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
@@ -57,8 +57,8 @@ def test_all_libraries_find_the_same_pairs(mesh: Mesh) -> None:
             else:
                 assert found[name] >= found["fgenv"]  # hulls hit wherever meshes do
     yes, no = next(iter(found["fgenv"])), (0, 1)
-    assert decided(mesh, poses, {yes})[True] == {yes}
-    assert decided(mesh, poses, {no})[no in found["fgenv"]] == {no}
+    assert decide(mesh, poses, {yes}) == ({yes}, set())
+    assert no in decide(mesh, poses, {no})[no not in found["fgenv"]]
 
 
 def test_quaternions_are_the_rotations() -> None:
@@ -86,10 +86,7 @@ def test_poses_along_a_motion_are_even() -> None:
 
 def test_records_hold_every_number(mesh: Mesh, tmp_path: Path) -> None:
     costs: dict[str, Cost] = {}
-    rows = [
-        bench_steps(mesh, count, managers(), 0, steps=2, budget=20.0, costs=costs)
-        for count in (100, 200)
-    ]
+    rows = [bench_steps(mesh, count, managers(), 0, Limits(2, 20.0), costs) for count in (100, 200)]
     names = [m.name for m in managers()]
     for row in rows:
         assert list(row["peers"]) == names
@@ -139,7 +136,7 @@ def test_what_is_dear_or_refuses_is_left_out(mesh: Mesh) -> None:
 
     broken = type(fgenv)("broken", "fgenv", "meshes", refuse)  # type: ignore[arg-type]
     costs: dict[str, Cost] = {"python-fcl": (1.0, 0.0)}  # a second for each body
-    row = bench_steps(mesh, 5, [fgenv, fcl, broken], 0, steps=1, budget=2.0, costs=costs)
+    row = bench_steps(mesh, 5, [fgenv, fcl, broken], 0, Limits(1, 2.0), costs)
     assert list(row["peers"]) == ["fgenv", "broken"]
     assert row["peers"]["broken"]["refused"] == "no more than two"
     assert costs["broken"] == (np.inf, np.inf)

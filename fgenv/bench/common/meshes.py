@@ -1,4 +1,4 @@
-"""Real meshes: robot links and scenes inside packages that pip installs."""
+"""Meshes of robot links and scenes in pip packages."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-# Package on the index -> folder with its meshes, and the module it brings. None is imported: some
-# print, some start a simulator.
+# Folder with meshes and module of each package. The modules are not imported: some print text, and
+# some start a simulator.
 FOLDERS = {
     "example-robot-data": ("cmeel.prefix/share/example-robot-data/robots", "example_robot_data"),
     "pybullet": ("pybullet_data", "pybullet_data"),
@@ -35,8 +35,8 @@ class Mesh:
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
 
 
-def is_here(package: str) -> bool:
-    """Whether `package` is installed."""
+def is_installed(package: str) -> bool:
+    """Return whether `package` is installed."""
     try:
         distribution(package)
     except PackageNotFoundError:
@@ -45,11 +45,12 @@ def is_here(package: str) -> bool:
 
 
 def folder(package: str) -> Path:
-    """The folder with the meshes of `package`; ModuleNotFoundError where it is not installed."""
+    """Return the folder with the meshes of `package`; ModuleNotFoundError if it is missing."""
     path, module = FOLDERS[package]
-    if not is_here(package):
+    if not is_installed(package):
         raise ModuleNotFoundError(
-            f'no meshes of {package}; remedy: pip install "fgenv[bench]"', name=module
+            f'{package}: not installed, it has the meshes; remedy: pip install "fgenv[bench]"',
+            name=module,
         )
     return Path(str(distribution(package).locate_file(path)))
 

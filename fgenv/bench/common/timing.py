@@ -1,23 +1,66 @@
-"""Timing on a machine that others use as well: small chunks, peers in turn, medians over rounds.
+"""Timing on a machine with other load: short runs, methods in turn, medians over rounds.
 
-Batches are timed in CPU seconds of the process, which leave out what other programs took away.
+Runs are timed in CPU seconds of the process, which exclude the time of other programs.
 """
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from functools import partial
 from time import perf_counter_ns, process_time
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fgenv.arrays import Poses
+from fgenv.arrays import Floats, Poses
 
+Key = TypeVar("Key", bound=Hashable)
 Job = Callable[[Poses], Any]
 Clock = Callable[[], float]  # seconds
-CHUNK = 250  # poses; a chunk is short beside what the scheduler grants
+CHUNK = 250  # poses; a chunk takes less time than a slice of the scheduler
+
+
+def rotated(names: Sequence[Key], turn: int) -> list[Key]:
+    """Return the names in the order of a turn: each turn starts one name later."""
+    first = turn % max(len(names), 1)
+    return [*names[first:], *names[:first]]
+
+
+def take_turns(names: Sequence[Key], rounds: int) -> Iterator[Key]:
+    """Yield each name once per round; the order rotates from round to round."""
+    for turn in range(rounds):
+        yield from rotated(names, turn)
+
+
+def timed(job: Callable[[], object], clock: Clock = process_time) -> float:
+    """Return the seconds of a call, without garbage collection."""
+    gc.disable()  # a collection would be charged to the current job
+    try:
+        began = clock()
+        job()
+        return clock() - began
+    finally:
+        gc.enable()
+
+
+def round_seconds(
+    jobs: Mapping[Key, Callable[[], object]], rounds: int, *, clock: Clock = process_time
+) -> dict[Key, Floats]:
+    """Return the seconds of each job in each round, (rounds,); jobs take turns."""
+    seconds: dict[Key, list[float]] = {name: [] for name in jobs}
+    for name in take_turns(list(jobs), rounds):
+        seconds[name].append(timed(jobs[name], clock))
+    return {name: np.array(times) for name, times in seconds.items()}
+
+
+def median_seconds(
+    jobs: Mapping[Key, Callable[[], object]], rounds: int = 5, *, clock: Clock = process_time
+) -> dict[Key, float]:
+    """Return the median seconds of each job over the rounds."""
+    seconds = round_seconds(jobs, rounds, clock=clock)
+    return {name: float(np.median(times)) for name, times in seconds.items()}
 
 
 def race(
@@ -29,65 +72,62 @@ def race(
     chunk: int = CHUNK,
     clock: Clock = process_time,
 ) -> dict[str, float]:
-    """Mean seconds a pose of each job, on the same poses (n, 4, 4).
+    """Return the mean seconds per pose of each job, on the same poses (n, 4, 4).
 
-    Each `chunk` of poses is timed `rounds` times, jobs alternating and their order turning; its
-    median stands for it. A job that would take over `budget` seconds gets only the first poses.
+    Each `chunk` of poses is timed `rounds` times with the jobs in turn, and counts with its
+    median. A job that would take over `budget` seconds gets only the first poses.
     """
-    share = {name: _affordable(job, poses, budget / rounds, clock) for name, job in jobs.items()}
+    share = {
+        name: affordable(job, poses, budget / rounds, least=10, trial=5, clock=clock)
+        for name, job in jobs.items()
+    }
     medians: dict[str, list[float]] = {name: [] for name in jobs}
-    sizes: dict[str, list[int]] = {name: [] for name in jobs}
     for start in range(0, len(poses), chunk):
-        some = poses[start : start + chunk]
-        racing = [name for name in jobs if share[name] > start]
-        runs: dict[str, list[float]] = {name: [] for name in racing}
-        for turn in range(rounds):
-            for name in racing[turn % len(racing) :] + racing[: turn % len(racing)]:
-                runs[name].append(_once(jobs[name], some[: share[name] - start], clock))
-        for name in racing:
-            medians[name].append(float(np.median(runs[name])))
-            sizes[name].append(min(len(some), share[name] - start))
-    return {name: float(np.average(medians[name], weights=sizes[name])) for name in jobs}
+        parts = {
+            name: poses[start : min(start + chunk, last)]
+            for name, last in share.items()
+            if last > start
+        }
+        chunk_jobs = {name: partial(jobs[name], part) for name, part in parts.items()}
+        for name, seconds in median_seconds(chunk_jobs, rounds, clock=clock).items():
+            medians[name].append(seconds)
+    return {name: sum(medians[name]) / share[name] for name in jobs}
 
 
-def _affordable(job: Job, poses: Poses, budget: float, clock: Clock) -> int:
-    few = poses[:5]
-    _once(job, few, clock)  # the first touch pays for caches and lazy set-up
-    return int(np.clip(budget / (_once(job, few, clock) + 1e-12), 10, len(poses)))
-
-
-def _once(job: Job, some: Poses, clock: Clock) -> float:
-    began = clock()
-    job(some)
-    return (clock() - began) / len(some)
+def affordable(
+    job: Callable[[NDArray[Any]], object],
+    cases: NDArray[Any],
+    budget: float,
+    *,
+    least: int,
+    trial: int,
+    clock: Clock = process_time,
+) -> int:
+    """Return how many of the cases (n, ...) a job does in `budget` seconds, at least `least`."""
+    first = cases[:trial]
+    job(first)  # the first call pays for caches and lazy set-up
+    each = timed(lambda: job(first), clock) / max(len(first), 1)
+    return int(np.clip(budget / (each + 1e-12), min(least, len(cases)), len(cases)))
 
 
 def each_call(call: Job, poses: Poses) -> NDArray[np.float64]:
-    """Seconds of every single call (n,), less what an empty call costs; the least of three runs."""
-    gc.disable()  # a collection inside a call would be charged to it
+    """Return the seconds of each single call (n,), minimum of three runs.
+
+    The cost of an empty call is subtracted.
+    """
+    gc.disable()  # a collection would be charged to the current call
     try:
-        least = np.min([_stamps(call, poses) for _ in range(3)], axis=0)
-        empty = np.median(_stamps(lambda _: False, poses))
+        fastest = np.min([_call_times(call, poses) for _ in range(3)], axis=0)
+        empty = np.median(_call_times(lambda _: False, poses))
     finally:
         gc.enable()
-    return np.asarray(np.maximum(least - empty, 0.0) * 1e-9)
+    return np.asarray(np.maximum(fastest - empty, 0.0) * 1e-9)
 
 
-def _stamps(call: Job, poses: Poses) -> NDArray[np.int64]:
-    stamps = np.empty(len(poses), np.int64)
+def _call_times(call: Job, poses: Poses) -> NDArray[np.int64]:
+    times = np.empty(len(poses), np.int64)
     for i, pose in enumerate(poses):
         began = perf_counter_ns()
         call(pose)
-        stamps[i] = perf_counter_ns() - began
-    return stamps
-
-
-def build_seconds(builds: Mapping[str, Callable[[], Any]], rounds: int = 5) -> dict[str, float]:
-    """Median CPU seconds of each build, builds alternating."""
-    runs: dict[str, list[float]] = {name: [] for name in builds}
-    for _ in range(rounds):
-        for name, build in builds.items():
-            began = process_time()
-            build()
-            runs[name].append(process_time() - began)
-    return {name: float(np.median(times)) for name, times in runs.items()}
+        times[i] = perf_counter_ns() - began
+    return times

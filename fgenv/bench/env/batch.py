@@ -1,8 +1,7 @@
-"""Batches of worlds that step together, with actions drawn beforehand."""
+"""Batches of worlds that step together, with actions drawn beforehand, and their timing."""
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import process_time
@@ -11,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from fgenv.arrays import Floats
-from fgenv.bench.common.timing import Clock
+from fgenv.bench.common.timing import Clock, take_turns, timed
 
-Record = dict[str, Any]  # for JSON
 Step = Callable[[int], object]
-ACTIONS = 64  # sets of actions drawn beforehand, used in turn
+ACTIONS = 64  # sets of actions, used in turn
 
 
-def nothing() -> None:
-    """Worlds that start their episodes anew by themselves need no restart."""
+def no_restart() -> None:
+    """Do nothing: the worlds restart their episodes by themselves."""
 
 
 @dataclass(frozen=True)
@@ -27,34 +25,37 @@ class Batch:
     """Worlds that step at once.
 
     Attributes:
-        robots: in each world.
-        worlds: how many.
-        step: does step k, with set k of the actions; observations, rewards and ends come out.
-        restart: starts all episodes anew; not timed.
+        robots: number of robots per world.
+        worlds: number of worlds.
+        step: runs step k with set k of the actions; returns observations, rewards and ends.
+        restart: restarts all episodes; not timed.
     """
 
     robots: int
     worlds: int
     step: Step
-    restart: Callable[[], object] = nothing
+    restart: Callable[[], object] = no_restart
 
     @property
     def size(self) -> int:
-        """Robot-steps in a step."""
+        """Robot-steps per step."""
         return self.robots * self.worlds
 
 
 @dataclass(frozen=True)
-class Peer:
-    """A library that steps robots: `make(robots, worlds, seed)`.
+class Library:
+    """A library that steps robots.
 
-    `needs`: its module; `batched`: whether it steps several worlds at once; `package`: its name
-    for pip.
+    Attributes:
+        name: of the row.
+        package, module: names for pip and for `import`.
+        batched: whether it steps several worlds at once.
+        make: returns a batch for robots, worlds and a seed.
     """
 
     name: str
     package: str
-    needs: str
+    module: str
     batched: bool
     make: Callable[[int, int, int], Batch]
 
@@ -66,25 +67,22 @@ def race(
     *,
     clock: Clock = process_time,
 ) -> dict[str, Floats]:
-    """Seconds per robot-step of each batch in each round, (rounds,).
+    """Return the seconds per robot-step of each batch in each round, (rounds,).
 
     A round has as many steps as take about `seconds`, at least one. Batches take turns, and their
-    order rotates. Compare values of the same round: they were measured under the same load of the
-    machine, which may double the time of a step.
+    order rotates. Compare values of the same round: they have the same load of the machine, which
+    may double the time of a step.
     """
-    steps = {name: _affordable(batch, seconds, clock) for name, batch in batches.items()}
-    taken: dict[str, list[float]] = {name: [] for name in batches}
-    names = list(batches)
-    for turn in range(rounds):
-        first = turn % len(names)
-        for name in names[first:] + names[:first]:
-            taken[name].append(_round(batches[name], steps[name], clock))
-    return {name: np.array(times) for name, times in taken.items()}
+    steps = {name: _steps_in(batch, seconds, clock) for name, batch in batches.items()}
+    times: dict[str, list[float]] = {name: [] for name in batches}
+    for name in take_turns(list(batches), rounds):
+        times[name].append(_round(batches[name], steps[name], clock))
+    return {name: np.array(rows) for name, rows in times.items()}
 
 
-def _affordable(batch: Batch, seconds: float, clock: Clock) -> int:
-    """Number of steps that take `seconds`; doubles a trial until it can be timed."""
-    _round(batch, 1, clock)  # the first touch pays for caches and lazy set-up
+def _steps_in(batch: Batch, seconds: float, clock: Clock) -> int:
+    """Return the number of steps that take `seconds`; a trial doubles until it can be timed."""
+    _round(batch, 1, clock)  # the first step pays for caches and lazy set-up
     steps = 1
     while (each := _round(batch, steps, clock) * batch.size) * steps < 0.1 * seconds:
         steps *= 2
@@ -92,12 +90,33 @@ def _affordable(batch: Batch, seconds: float, clock: Clock) -> int:
 
 
 def _round(batch: Batch, steps: int, clock: Clock) -> float:
-    batch.restart()
-    gc.disable()  # a collection would be charged to the current batch
-    try:
-        began = clock()
+    """Return the seconds per robot-step."""
+
+    def run() -> None:
         for k in range(steps):
             batch.step(k)
-        return (clock() - began) / (steps * batch.size)
-    finally:
-        gc.enable()
+
+    batch.restart()
+    return timed(run, clock) / (steps * batch.size)
+
+
+def parallel_batch(env: Any, seed: int) -> Batch:
+    """Return a `ParallelEnv` as a batch of one world.
+
+    The episode restarts, which is timed, as soon as one of its agents is gone.
+    """
+    env.reset(seed=seed)
+    agents = list(env.agents)
+    for k, agent in enumerate(agents):
+        env.action_space(agent).seed(seed + k)
+    actions = [
+        {agent: env.action_space(agent).sample() for agent in agents} for _ in range(ACTIONS)
+    ]
+
+    def step(k: int) -> object:
+        result = env.step(actions[k % ACTIONS])
+        if len(env.agents) < len(agents):
+            env.reset()
+        return result
+
+    return Batch(len(agents), 1, step, lambda: env.reset(seed=seed))

@@ -1,4 +1,4 @@
-"""The parts of ``fgenv bench env`` in order, each yielded as it is done."""
+"""The parts of ``fgenv bench env`` in order."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from time import process_time
 import numpy as np
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.records import OWN, Record
 from fgenv.bench.common.timing import Clock
-from fgenv.bench.env import ours
-from fgenv.bench.env.batch import Batch, Peer, Record, race
+from fgenv.bench.env import fgenv_
+from fgenv.bench.env.batch import Batch, Library, race
 
 ROBOTS, WORLDS = (4, 10), (1, 32, 1024)
-GROWTH, GROWTH_WORLDS = (8, 16, 32, 64), 4  # robots; worlds of each
+GROWTH, GROWTH_WORLDS = (8, 16, 32, 64), 4  # numbers of robots; worlds of each
 CARTS, CARTS_WORLDS = 64, (1, 32)
 
 
 def bench_env(
-    peers: Sequence[Peer],
+    libraries: Sequence[Library],
     *,
     seed: int = 0,
     quick: bool = False,
@@ -27,7 +28,7 @@ def bench_env(
     """Yield (kind, record): `rates` for each number of robots and worlds; then, of fgenv alone,
     `warehouse` for each number of worlds, `growth` and `views`.
 
-    Rates are robot-steps in a CPU second of the process. `quick`: short rounds, 32 worlds at most.
+    Rates are robot-steps per CPU second of the process. `quick`: short rounds, 32 worlds at most.
     """
     rounds, seconds = (3, 0.15) if quick else (9, 0.8)
 
@@ -36,45 +37,48 @@ def bench_env(
 
     for worlds in WORLDS[: 2 if quick else None]:
         for robots in ROBOTS:
-            racing = [peer for peer in peers if peer.batched or worlds == 1]
-            batches = {peer.name: peer.make(robots, worlds, seed) for peer in racing}
+            able = [library for library in libraries if library.batched or worlds == 1]
+            batches = {library.name: library.make(robots, worlds, seed) for library in able}
             yield "rates", rates(robots, worlds, timed(batches))
-    if "fgenv" not in {peer.name for peer in peers}:
+    if OWN not in {library.name for library in libraries}:
         return
     for worlds in CARTS_WORLDS:
-        batches = {"fgenv": ours.warehouse_batch(CARTS, worlds, seed)}
+        batches = {OWN: fgenv_.warehouse_batch(CARTS, worlds, seed)}
         yield "warehouse", rates(CARTS, worlds, timed(batches))
-    crowds = {str(n): ours.random_batch(n, GROWTH_WORLDS, seed) for n in GROWTH}
+    crowds = {str(n): fgenv_.random_batch(n, GROWTH_WORLDS, seed) for n in GROWTH}
     yield "growth", growth(timed(crowds))
-    for name, (view, below) in ours.views(ROBOTS[-1], seed).items():
+    for name, (view, below) in fgenv_.views(ROBOTS[-1], seed).items():
         yield "views", view_cost(name, view, timed({"view": view, "simulator": below}))
 
 
 def rates(robots: int, worlds: int, times: Mapping[str, Floats]) -> Record:
-    """One row: the rate of each library, median, least and most over the rounds; `ratio`: how
-    many times as fast fgenv is, the median over what each round says."""
-    found = {
+    """Return the record of one size.
+
+    It has the rate of each library (median, least and most over the rounds) and `ratio`, fgenv's
+    speed-up: the median of the ratios of each round.
+    """
+    peers = {
         name: {"rate": 1.0 / float(np.median(t)), "least": 1.0 / t.max(), "most": 1.0 / t.min()}
         for name, t in times.items()
     }
-    own = times.get("fgenv")
+    own = times.get(OWN)
     ratio = {
         name: float(np.median(t / own))
         for name, t in times.items()
-        if own is not None and name != "fgenv"
+        if own is not None and name != OWN
     }
-    return {"robots": robots, "worlds": worlds, "peers": found, "ratio": ratio}
+    return {"robots": robots, "worlds": worlds, "peers": peers, "ratio": ratio}
 
 
 def growth(times: Mapping[str, Floats]) -> Record:
-    """Seconds a robot-step over the number of robots, and the last over the first."""
+    """Return seconds per robot-step by number of robots; `times`: the last over the first."""
     rows = [{"robots": int(n), "seconds": float(np.median(t))} for n, t in times.items()]
-    few, *_, many = times.values()
-    return {"rows": rows, "times": float(np.median(many / few))}
+    fewest, *_, most = times.values()
+    return {"rows": rows, "times": float(np.median(most / fewest))}
 
 
 def view_cost(name: str, view: Batch, times: Mapping[str, Floats]) -> Record:
-    """Seconds a step of a view and of the simulator below it, and `rate`, the view's as a share."""
+    """Return seconds per step of a view and its simulator; `rate`: relative rate of the view."""
     above, below = times["view"], times["simulator"]
     return {
         "name": name,

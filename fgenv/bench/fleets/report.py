@@ -1,4 +1,4 @@
-"""The records of ``fgenv bench fleets`` as a table."""
+"""The records of ``fgenv bench fleets`` as a table and as shares."""
 
 from __future__ import annotations
 
@@ -6,46 +6,36 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
-from .run import Record
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.tables import Columns, fixed, number, table, text
+from fgenv.confidence import Estimate, rate
 
-TITLES = ("fleet", "method", "solved", "s", "search", "p95", "makespan", "sum", "least")
 NOTE = (
-    "solved: cases of the frozen set with a certified plan in the time limit; medians of those: s "
-    "of CPU in all, of which OMPL's search (composite), makespan and sum of arrivals (s), "
-    "least clearance (mm); p95: CPU seconds of all cases, failures among them."
+    "solved: cases with a certified plan within the time limit; medians of those: "
+    "CPU s in total (s) and of OMPL's search (composite), makespan and sum of arrivals (s), least "
+    "clearance (mm); p95: CPU seconds of all cases, including failures."
 )
+COLUMNS: Columns = {
+    "fleet": ("fleet", text),
+    "method": ("method", text),
+    "solved": (lambda row: f"{row['solved']}/{row['cases']}", str),
+    "s": ("seconds", number()),
+    "search": ("search", number()),
+    "p95": ("p95", number()),
+    "makespan": ("makespan", number()),
+    "sum": ("sum_of_costs", number()),
+    "least": ("least", fixed(1, 1e3)),
+}
 
 
 def table_of(records: Sequence[Record]) -> Table:
-    """Fleets and methods downward."""
-    table = Table(
-        title="Plans for many robots",
-        box=None,
-        padding=(0, 0, 0, 1),
-        pad_edge=False,
-        title_style="bold",
-    )
-    for title in TITLES:
-        left = title in TITLES[:2]
-        table.add_column(title, justify="left" if left else "right", no_wrap=True)
-    for record in records:
-        least = record["least"]
-        table.add_row(
-            record["fleet"],
-            record["method"],
-            f"{record['solved']}/{record['cases']}",
-            number(record["seconds"]),
-            number(record["search"]),
-            number(record["p95"]),
-            number(record["makespan"]),
-            number(record["sum_of_costs"]),
-            "-" if least is None else f"{1e3 * least:.1f}",
-        )
-    return table
+    """Return a table with a row per fleet and method."""
+    return table("Plans for many robots", COLUMNS, records)
 
 
-def number(value: float | None) -> str:
-    """Three digits at most."""
-    if value is None:
-        return "-"
-    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+def solved_shares(records: Sequence[Record]) -> dict[str, dict[str, Estimate]]:
+    """Return the share of solved cases by fleet and method."""
+    shares: dict[str, dict[str, Estimate]] = {}
+    for row in records:
+        shares.setdefault(row["fleet"], {})[row["method"]] = rate(row["solved"], row["cases"])
+    return shares

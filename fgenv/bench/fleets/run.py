@@ -1,36 +1,34 @@
-"""Plans all cases of a frozen set."""
+"""Plans for all cases of the frozen sets."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from time import process_time
-from typing import Any
 
 import numpy as np
 
+from fgenv.bench.common.records import Record
 from fgenv.planners import PlanningError, Problem
 from fgenv.planners.planning import plan
 from fgenv.scenarios import FrozenSet, Scenario, frozen
 
 from .sets import Fleet
 
-Record = dict[str, Any]
-
 
 def bench_fleets(fleets: tuple[Fleet, ...], cases: int) -> Iterator[Record]:
-    """One record for each fleet and method."""
+    """Yield one record per fleet and method."""
     for fleet in fleets:
-        chosen = frozen(fleet.scenario, cases=cases, **fleet.overrides)
+        frozen_set = frozen(fleet.scenario, cases=cases, **fleet.overrides)
         for method in fleet.methods:
-            yield row(fleet, method, chosen)
+            yield row(fleet, method, frozen_set)
 
 
 def row(fleet: Fleet, method: str, cases: FrozenSet) -> Record:
-    """Results of one method: share of solved cases, CPU seconds, makespan, reasons of failures."""
-    done = [attempt(case, method, fleet.limit) for case in cases]
-    solved = [one for one in done if one["solved"]]
-    middle = {
-        name: median([one[name] for one in solved])
+    """Return the results of one method: solved cases, medians, reasons of failures."""
+    attempts = [attempt(case, method, fleet.limit) for case in cases]
+    solved = [result for result in attempts if result["solved"]]
+    medians = {
+        name: median([result[name] for result in solved])
         for name in ("seconds", "search", "makespan", "sum_of_costs", "least")
     }
     return {
@@ -40,31 +38,34 @@ def row(fleet: Fleet, method: str, cases: FrozenSet) -> Record:
         "cases": len(cases),
         "limit": fleet.limit,
         "solved": len(solved),
-        **middle,
-        "p95": float(np.quantile([one["seconds"] for one in done], 0.95)),
-        "failed": [one["why"] for one in done if not one["solved"]],
+        **medians,
+        "p95": float(np.quantile([result["seconds"] for result in attempts], 0.95)),
+        "failed": [result["why"] for result in attempts if not result["solved"]],
     }
 
 
 def median(values: list[float | None]) -> float | None:
-    """Of those that were measured."""
+    """Return the median of the measured values; None if there are none."""
     known = [value for value in values if value is not None]
     return float(np.median(known)) if known else None
 
 
 def attempt(case: Scenario, method: str, limit: float) -> Record:
-    """One case. What reads the scenario is not counted; timing and the proof of the plan are."""
+    """Return the result of one case.
+
+    The time includes timing and certification of the plan, not the reading of the scenario.
+    """
     problem = Problem.from_scenario(case)
     began = process_time()
     try:
-        found = plan(problem, time_limit=limit, method=method)
+        result = plan(problem, time_limit=limit, method=method)
     except PlanningError as error:
         return {"solved": False, "seconds": process_time() - began, "why": str(error)}
     return {
-        "solved": bool(found.certificate),
+        "solved": bool(result.certificate),
         "seconds": process_time() - began,
-        "search": found.facts.get("search"),
-        "makespan": found.makespan,
-        "sum_of_costs": found.sum_of_costs,
-        "least": found.certificate.clearance,
+        "search": result.facts.get("search"),
+        "makespan": result.makespan,
+        "sum_of_costs": result.sum_of_costs,
+        "least": result.certificate.clearance,
     }

@@ -1,22 +1,24 @@
-"""The frozen sets that ``fgenv bench fleets`` plans."""
+"""The frozen sets of ``fgenv bench fleets``."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
+
+from fgenv.bench.common.selection import select, split_names
 
 METHODS = ("composite", "prioritized", "conflict_based")
 
 
 @dataclass(frozen=True)
 class Fleet:
-    """Cases of a scenario, planned by some methods.
+    """Cases of a scenario and the methods that plan them.
 
     Attributes:
         name: of the row.
-        scenario, overrides: for `frozen`.
+        scenario, overrides: arguments of `frozen`.
         limit: seconds per case.
-        methods: of `fgenv.planners.METHODS`.
+        methods: names from `fgenv.planners.METHODS`.
     """
 
     name: str
@@ -24,7 +26,6 @@ class Fleet:
     overrides: dict[str, Any]
     limit: float
     methods: tuple[str, ...] = METHODS
-    planner: dict[str, Any] = field(default_factory=dict)
 
 
 FLEETS = (
@@ -40,17 +41,10 @@ FLEETS = (
 )
 
 
-def chosen(which: str) -> tuple[Fleet, ...]:
-    """Fleets with one of these words (with commas) in their names; all of `all`.
+def select_fleets(which: str) -> tuple[Fleet, ...]:
+    """Return the fleets for `all`, or for parts of names with commas.
 
     Raises:
-        ValueError: there is none.
+        ValueError: no fleet matches.
     """
-    if which == "all":
-        return FLEETS
-    words = [word.strip() for word in which.split(",")]
-    found = tuple(fleet for fleet in FLEETS if any(word in fleet.name for word in words))
-    if not found:
-        names = "; ".join(fleet.name for fleet in FLEETS)
-        raise ValueError(f"fleets: nothing has {which!r} in its name, expected a part of: {names}")
-    return found
+    return FLEETS if which == "all" else select(FLEETS, split_names(which), "fleets")

@@ -1,10 +1,11 @@
-"""The mesh pairs that ``fgenv bench pairs`` races on: 100 to 100 000 triangles."""
+"""The mesh pairs of ``fgenv bench pairs``, with 100 to 100,000 triangles."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fgenv.bench.common.meshes import Mesh, is_here, load
+from fgenv.bench.common.meshes import Mesh, is_installed, load
+from fgenv.bench.common.selection import select
 
 ROBOTS, BULLET, GYM, TOOLBOX = "example-robot-data", "pybullet", "gymnasium-robotics", "rtb-data"
 ADROIT = "adroit_hand/resources/meshes"
@@ -12,20 +13,20 @@ ADROIT = "adroit_hand/resources/meshes"
 
 @dataclass(frozen=True)
 class Source:
-    """Where a mesh is: package, path in its mesh folder, meters per file unit."""
+    """The origin of a mesh: package, path in its mesh folder, meters per file unit."""
 
     package: str
     path: str
     scale: float = 1.0
 
     def load(self) -> Mesh:
-        """The mesh, in meters."""
+        """Return the mesh, in meters."""
         return load(self.package, self.path, self.scale)
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two meshes to race on; `b` is the one that moves."""
+    """Two meshes; `b` moves."""
 
     name: str
     a: Source
@@ -33,9 +34,9 @@ class Pair:
     quick: bool = False  # part of --pairs quick
 
     @property
-    def here(self) -> bool:
+    def available(self) -> bool:
         """Whether both packages are installed (pybullet has no wheel for newer Pythons)."""
-        return is_here(self.a.package) and is_here(self.b.package)
+        return is_installed(self.a.package) and is_installed(self.b.package)
 
 
 PAIRS = (
@@ -110,18 +111,19 @@ PAIRS = (
 )
 
 
-def chosen(which: str) -> tuple[Pair, ...]:
-    """The pairs for `all`, `quick` or part of a name, if their meshes are installed."""
-    found = tuple(pair for pair in PAIRS if _wanted(pair, which))
-    if not found:
-        names = "; ".join(pair.name for pair in PAIRS)
-        raise ValueError(f"pairs is {which!r}, expected all, quick, or part of a name: {names}")
-    here = tuple(pair for pair in found if pair.here)
-    if not here:
-        found[0].a.load()  # says what to install
-        found[0].b.load()
-    return here
+def select_pairs(which: str) -> tuple[Pair, ...]:
+    """Return the pairs for `all`, `quick` or part of a name whose meshes are installed.
 
-
-def _wanted(pair: Pair, which: str) -> bool:
-    return which == "all" or (which == "quick" and pair.quick) or which.lower() in pair.name
+    Raises:
+        ValueError: no pair matches.
+        ModuleNotFoundError: the meshes of all these pairs are missing.
+    """
+    if which in ("all", "quick"):
+        pairs = tuple(pair for pair in PAIRS if which == "all" or pair.quick)
+    else:
+        pairs = select(PAIRS, [which.lower()], "pairs")
+    available = tuple(pair for pair in pairs if pair.available)
+    if not available:
+        for source in (pairs[0].a, pairs[0].b):
+            source.load()  # raises the error with the package to install
+    return available

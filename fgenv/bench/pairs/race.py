@@ -1,4 +1,4 @@
-"""One pair of meshes, every peer: what ``fgenv bench pairs`` measures."""
+"""The measurements of ``fgenv bench pairs`` on one pair of meshes, for all libraries."""
 
 from __future__ import annotations
 
@@ -6,17 +6,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fgenv.arrays import Poses
+from fgenv.arrays import Flags, Floats, Poses
 from fgenv.bench.common.memory import kept_bytes
 from fgenv.bench.common.poses import random_poses_batched, random_rotations
-from fgenv.bench.common.timing import build_seconds, each_call, race
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.timing import each_call, median_seconds, race
 from fgenv.bench.pairs.catalog import Pair
 from fgenv.bench.peers import Checker, Peer
 
-Record = dict[str, Any]  # for JSON
-SLOW_BUDGET = 4.0  # seconds a peer may take for one column of one pair
+BUDGET = 4.0  # seconds per library for one column of one pair
 DISTANCE_POSES, CALL_POSES = 400, 2000
 
 
@@ -40,15 +39,15 @@ class PairRace:
         self.checkers: dict[str, Checker] = {
             p.name: p.pair(*self.models[p.name], self.pose_a) for p in peers
         }
-        # poses are placed and parted into free and hit by the reference, not by fgenv
-        judge = self.checkers.get("python-fcl") or self.checkers[peers[0].name]
+        # The reference, not fgenv, places the poses and classifies them as free or hit.
+        reference = self.checkers.get("python-fcl") or self.checkers[peers[0].name]
         self.poses = random_poses_batched(
-            self.a, self.b, self.pose_a, count, judge.collide_all, rng, decades
+            self.a, self.b, self.pose_a, count, reference.collide_all, rng, decades
         )
-        self.hits = judge.collide_all(self.poses)
+        self.hits = reference.collide_all(self.poses)
 
     def run(self) -> Record:
-        """Everything measured, times in seconds."""
+        """Return all measurements, times in seconds."""
         record: Record = {
             "pair": self.pair.name,
             "triangles": [len(self.a.faces), len(self.b.faces)],
@@ -64,16 +63,16 @@ class PairRace:
         return record
 
     def _verdicts(self, out: Record) -> None:
-        """Verdicts that differ from the judge's (fgenv also sees containment)."""
+        """Count the verdicts that differ from the reference's (fgenv also detects containment)."""
         for name, checker in self.checkers.items():
-            some = slice(0, 100 if name == "embree" else None)
-            differ = checker.collide_all(self.poses[some]) != self.hits[some]
+            part = slice(0, 100 if name == "embree" else None)
+            differ = checker.collide_all(self.poses[part]) != self.hits[part]
             out[name]["differ"] = int(differ.sum())
 
     def _collide(self, out: Record) -> None:
         jobs = {name: checker.collide_all for name, checker in self.checkers.items()}
         for kind, poses in self._kinds():
-            for name, seconds in race(jobs, poses, budget=SLOW_BUDGET).items():
+            for name, seconds in race(jobs, poses, budget=BUDGET).items():
                 out[name].setdefault("batch", {})[kind] = seconds
 
     def _kinds(self) -> list[tuple[str, Poses]]:
@@ -83,8 +82,8 @@ class PairRace:
 
     def _calls(self, out: Record) -> None:
         for name, checker in self.checkers.items():
-            few = slice(0, 50 if name == "embree" else CALL_POSES)
-            seconds, hits = each_call(checker.collide, self.poses[few]), self.hits[few]
+            part = slice(0, 50 if name == "embree" else CALL_POSES)
+            seconds, hits = each_call(checker.collide, self.poses[part]), self.hits[part]
             out[name]["call"] = _spread(seconds, hits)
 
     def _distance(self, out: Record) -> None:
@@ -96,26 +95,26 @@ class PairRace:
         }
         if not jobs or not len(poses):
             return
-        for name, seconds in race(jobs, poses, rounds=3, budget=SLOW_BUDGET).items():
+        for name, seconds in race(jobs, poses, rounds=3, budget=BUDGET).items():
             out[name]["distance"] = seconds
 
     def _builds(self, out: Record) -> None:
         builders = [p for p in self.peers if p.name not in ("trimesh", "mujoco", "embree")]
         jobs = {p.name: (lambda p=p: (p.build(self.a), p.build(self.b))) for p in builders}
-        for name, seconds in build_seconds(jobs).items():
+        for name, seconds in median_seconds(jobs).items():
             out[name]["build"] = seconds
         triangles = len(self.a.faces) + len(self.b.faces)
         for p in builders:
-            told = p.nbytes
-            kept = kept_bytes(jobs[p.name]) if told is None else sum(map(told, self.models[p.name]))
-            if kept is not None:
-                out[p.name]["bytes_per_triangle"] = kept / triangles
+            models = self.models[p.name]
+            size = sum(map(p.nbytes, models)) if p.nbytes else kept_bytes(jobs[p.name])
+            if size is not None:
+                out[p.name]["bytes_per_triangle"] = size / triangles
 
 
-def _spread(seconds: NDArray[np.float64], hits: NDArray[np.bool_]) -> Record:
+def _spread(seconds: Floats, hits: Flags) -> Record:
     record: Record = {}
-    for kind, some in (("", seconds), ("_free", seconds[~hits]), ("_hit", seconds[hits])):
-        if len(some):
-            record[f"mean{kind}"] = float(some.mean())
-            record[f"p99{kind}"] = float(np.quantile(some, 0.99))
+    for kind, part in (("", seconds), ("_free", seconds[~hits]), ("_hit", seconds[hits])):
+        if len(part):
+            record[f"mean{kind}"] = float(part.mean())
+            record[f"p99{kind}"] = float(np.quantile(part, 0.99))
     return record

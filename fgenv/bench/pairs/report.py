@@ -1,4 +1,4 @@
-"""The records of ``fgenv bench pairs`` as a table and as a plot."""
+"""The records of ``fgenv bench pairs`` as tables and as a plot."""
 
 from __future__ import annotations
 
@@ -8,88 +8,63 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from fgenv.bench.pairs.race import Record
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.tables import Columns, fixed, micros, millis, number, ratio, table, text
+from fgenv.view.figures.canvas import new_figure, save_figure
 
-# column title -> key of record["ratio"]; `build` is a share (under 1 is faster)
-RATIOS = {
-    "batch": "mean",
-    "free": "free",
-    "hit": "hit",
-    "call": "call",
-    "p99": "p99",
-    "dist": "distance",
-    "build": "build",
+SUFFIXES = {"meshes": "", "hulls": " (h)"}  # of names, by the subject of the verdicts
+PEER_COLUMNS: Columns = {
+    "": ("name", text),
+    "batch": ("batch.mean", micros),
+    "free": ("batch.free", micros),
+    "hit": ("batch.hit", micros),
+    "call": ("call.mean", micros),
+    "p99": ("call.p99", micros),
+    "dist": ("distance", micros),
+    "build": ("build", millis),
+    "B/tri": ("bytes_per_triangle", number()),
+    "differ": ("differ", fixed(0)),
+}
+RATIO_COLUMNS: Columns = {
+    "pair": ("pair", text),
+    "triangles": ("triangles", lambda counts: "/".join(map(_thousands, counts))),
+    "batch": ("ratio.mean", ratio),
+    "free": ("ratio.free", ratio),
+    "hit": ("ratio.hit", ratio),
+    "call": ("ratio.call", ratio),
+    "p99": ("ratio.p99", ratio),
+    "dist": ("ratio.distance", ratio),
+    "build": ("ratio.build", ratio),
+    "2thr": ("threads_2", ratio),
+    "B/tri": ("peers.fgenv.bytes_per_triangle", number()),
 }
 NOTE = (
-    "batch, free, hit: µs of CPU a query, NumPy poses in one batch, one thread; call, p99: pose by "
-    "pose; dist: µs a distance of free poses; build: ms of CPU for both meshes; differ: verdicts "
-    "unlike python-fcl's (only fgenv sees a body inside another); (h) answers about hulls, "
+    "batch, free, hit: CPU µs per query, NumPy poses in one batch, one thread; call, p99: one pose "
+    "per call; dist: µs per distance of free poses; build: CPU ms for both meshes; differ: "
+    "verdicts unlike python-fcl's (only fgenv detects a body inside another); (h) about hulls, "
     "(f) in single precision."
 )
 
 
 def peer_table(record: Record) -> Table:
-    """Microseconds of every library on one pair."""
+    """Return the table of one pair: a row per library, times in microseconds."""
     a, b = record["triangles"]
-    hits = f"{100 * record['hit_share']:.0f} % hits"
-    table = _table(f"{record['pair']}: {a} and {b} triangles, {hits}")
-    table.add_column("", no_wrap=True)
-    for column in ("batch", "free", "hit", "call", "p99", "dist", "build", "B/tri", "differ"):
-        table.add_column(column, justify="right", no_wrap=True)
-    for name, found in record["peers"].items():
-        batch, call = found["batch"], found["call"]
-        table.add_row(
-            name + {"meshes": "", "hulls": " (h)"}.get(found["truth"], " (f)"),
-            *(_number(batch.get(kind), 1e6) for kind in ("mean", "free", "hit")),
-            _number(call["mean"], 1e6),
-            _number(call["p99"], 1e6),
-            _number(found.get("distance"), 1e6),
-            _number(found.get("build"), 1e3),
-            _number(found.get("bytes_per_triangle"), 1.0),
-            str(found["differ"]),
-        )
-    return table
+    title = f"{record['pair']}: {a} and {b} triangles, {100 * record['hit_share']:.0f} % hits"
+    rows = (
+        {**peer, "name": name + SUFFIXES.get(peer["truth"], " (f)")}
+        for name, peer in record["peers"].items()
+    )
+    return table(title, PEER_COLUMNS, rows)
 
 
 def ratio_table(records: Sequence[Record], summary: dict[str, dict[str, float]]) -> Table:
-    """How many times fgenv is faster than python-fcl, pair by pair."""
-    table = _table("Times faster than python-fcl (build: its time as a share)")
-    table.add_column("pair", no_wrap=True)
-    table.add_column("triangles", justify="right", no_wrap=True)
-    for title in (*RATIOS, "2thr", "B/tri"):
-        table.add_column(title, justify="right", no_wrap=True)
-    for record in records:
-        own = record["peers"]["fgenv"]
-        table.add_row(
-            record["pair"],
-            "/".join(_thousands(count) for count in record["triangles"]),
-            *(_times(record["ratio"].get(key)) for key in RATIOS.values()),
-            _times(record.get("threads_2")),
-            _number(own.get("bytes_per_triangle"), 1.0),
-        )
-    for which, title in (("mean", "geometric mean"), ("worst", "worst")):
-        values = [summary.get(key, {}).get(which) for key in RATIOS.values()]
-        table.add_row(title, "", *(_times(value) for value in values), "", "", style="bold")
-    return table
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, box=None, padding=(0, 0, 0, 1), pad_edge=False, title_style="bold")
-
-
-def _number(value: float | None, unit: float) -> str:
-    """Three digits, or a dash for a missing value."""
-    if value is None:
-        return "-"
-    shown = value * unit
-    return f"{shown:.0f}" if shown >= 100 else f"{shown:.3g}"
-
-
-def _times(value: float | None) -> str:
-    """Two digits: timings on a busy machine have no more."""
-    if value is None:
-        return "-"
-    return f"{value:.1f}" if value >= 1 else f"{value:.2f}"
+    """Return the table of speed-ups over python-fcl: a row per pair, then the summary."""
+    overall = [
+        {"pair": title, "ratio": {k: s[key] for k, s in summary.items()}, "style": "bold"}
+        for key, title in (("mean", "geometric mean"), ("worst", "worst"))
+    ]
+    title = "Times faster than python-fcl (build: its time as a share)"
+    return table(title, RATIO_COLUMNS, [*records, *overall])
 
 
 def _thousands(count: int) -> str:
@@ -97,18 +72,16 @@ def _thousands(count: int) -> str:
 
 
 def plot_times(records: Sequence[Record], path: Path) -> None:
-    """Draw microseconds a query over triangles, one line a library, to `path`."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7, 4.5), layout="constrained")
+    """Plot microseconds per query over triangles, a line per library, to `path`."""
+    figure = new_figure(7, 4.5)
     axes = figure.subplots()
     ordered = sorted(records, key=lambda record: sum(record["triangles"]))
     for name in dict.fromkeys(name for record in ordered for name in record["peers"]):
-        having = [record for record in ordered if name in record["peers"]]
-        sizes = [sum(record["triangles"]) for record in having]
-        micros = [1e6 * record["peers"][name]["batch"]["mean"] for record in having]
-        axes.plot(np.array(sizes), np.array(micros), marker="o", label=name)
-    axes.set(xscale="log", yscale="log", xlabel="triangles of both meshes", ylabel="µs a query")
+        measured = [record for record in ordered if name in record["peers"]]
+        sizes = [sum(record["triangles"]) for record in measured]
+        times = [1e6 * record["peers"][name]["batch"]["mean"] for record in measured]
+        axes.plot(np.array(sizes), np.array(times), marker="o", label=name)
+    axes.set(xscale="log", yscale="log", xlabel="triangles of both meshes", ylabel="µs per query")
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()
-    figure.savefig(path)
+    save_figure(figure, path)

@@ -1,10 +1,11 @@
-"""Collision checkers that fgenv is raced against, each behind the same small interface."""
+"""Collision libraries behind one interface, a module per library."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from importlib.util import find_spec
 
+from fgenv.bench.common.selection import split_names
 from fgenv.bench.peers.base import Checker, Peer
 
 # name -> (module here, module that must be installed)
@@ -19,22 +20,26 @@ KNOWN = {
 
 
 def installed() -> list[str]:
-    """Names of the peers that can run here, fgenv first."""
+    """Return the names of the installed peers, fgenv first."""
     return [name for name, (_, needs) in KNOWN.items() if find_spec(needs) is not None]
 
 
 def selected(names: str) -> list[str]:
-    """The peers in `names`, comma-separated; all installed ones for an empty string."""
-    return [name.strip() for name in names.split(",") if name.strip()] or installed()
+    """Return the peers in `names`, separated by commas; all installed ones for an empty string."""
+    return list(split_names(names)) or installed()
 
 
 def peer(name: str) -> Peer:
-    """The peer called `name`; ValueError names what there is."""
+    """Return a peer by its name.
+
+    Raises:
+        ValueError: an unknown name, or the library is not installed.
+    """
     if name not in KNOWN:
-        raise ValueError(f"peers names {name!r}, expected some of {', '.join(KNOWN)}")
+        raise ValueError(f"peers: got {name!r}, expected some of {', '.join(KNOWN)}")
     module, needs = KNOWN[name]
     if find_spec(needs) is None:
-        raise ValueError(f'peer {name} is not installed: pip install "fgenv[bench]"')
+        raise ValueError(f'peers: {name} is not installed; remedy: pip install "fgenv[bench]"')
     made: Peer = import_module(f"fgenv.bench.peers.{module}").PEER
     return made
 

@@ -12,9 +12,10 @@ from typing import Any
 
 from fgenv.agents.evaluation.evaluation import Evaluation, evaluate
 from fgenv.agents.weights import included
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.selection import select, split_names
 from fgenv.scenarios import frozen
 
-Record = dict[str, Any]
 GUIDED = "orca:shortest"
 
 
@@ -43,9 +44,9 @@ class Trial:
     def policies(self) -> tuple[str, ...]:
         """Names of the policies: the base, ORCA along shortest paths if there are walls, and the
         included policy with and without the safety filter."""
-        found = (self.base, GUIDED) if self.walls else (self.base,)
+        bases = (self.base, GUIDED) if self.walls else (self.base,)
         own = (f"mlp:{self.policy}", f"safe:mlp:{self.policy}")
-        return (*found, *own) if self.policy in included() else found
+        return (*bases, *own) if self.policy in included() else bases
 
     @property
     def walls(self) -> bool:
@@ -80,42 +81,35 @@ def trials() -> Iterator[Trial]:
     yield Trial("forest 6", "forest", {"n": 6}, "forest", 0.9, base="goto")  # ORCA does not fly
 
 
-def chosen(which: str) -> list[Trial]:
-    """The trials with one of the given words, separated by commas, in their names.
-
-    `all` selects all trials, `shipped` those with an included policy.
+def select_trials(which: str) -> tuple[Trial, ...]:
+    """Return the trials for `all`, for `shipped` (with an included policy), or for parts of names.
 
     Raises:
         ValueError: no trial matches.
     """
-    every = list(trials())
+    every = tuple(trials())
     if which == "all":
         return every
     if which == "shipped":
-        return [trial for trial in every if trial.policy in included()]
-    words = [word.strip() for word in which.split(",")]
-    found = [trial for trial in every if any(word in trial.name for word in words)]
-    if not found:
-        names = "; ".join(trial.name for trial in every)
-        raise ValueError(f"sets: nothing has {which!r} in its name, expected a part of: {names}")
-    return found
+        return tuple(trial for trial in every if trial.policy in included())
+    return select(every, split_names(which), "sets")
 
 
 def run(trial: Trial, cases: int, jobs: int) -> list[Record]:
     """Evaluate the policies of a trial, one record each."""
     frozen_set = frozen(trial.scenario, cases=cases, **trial.overrides)
-    found = evaluate(frozen_set, trial.policies, jobs=jobs, clearance=False)
-    return [record(trial, name, found) for name in trial.policies]
+    evaluation = evaluate(frozen_set, trial.policies, jobs=jobs, clearance=False)
+    return [record(trial, name, evaluation) for name in trial.policies]
 
 
-def record(trial: Trial, name: str, found: Evaluation) -> Record:
+def record(trial: Trial, name: str, evaluation: Evaluation) -> Record:
     """The record of one policy; `met`: whether it reaches its goal, None for the base."""
-    score, base = found.scores[name], found.scores[trial.base].success.value
+    score, base = evaluation.scores[name], evaluation.scores[trial.base].success.value
     above = min(1.0, base + trial.above) if trial.above else 0.0
     goal = max(trial.goal, above)
     return {
         "set": trial.name,
-        "id": found.cases.id,
+        "id": evaluation.cases.id,
         "cases": score.episodes,
         "policy": name,
         "success": score.success,

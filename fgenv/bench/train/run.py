@@ -1,4 +1,4 @@
-"""How fast a policy learns: our rows against SuperSuit's, the same environment and the same PPO."""
+"""Rates of training: fgenv's VecEnv and SuperSuit's, same environment, same PPO."""
 
 from __future__ import annotations
 
@@ -14,56 +14,40 @@ import fgenv
 from fgenv.agents.training.ppo import ppo
 from fgenv.agents.training.recipes import recipe_of
 from fgenv.agents.training.vec_env import FleetVecEnv
-from fgenv.bench.common.timing import Clock
+from fgenv.bench.common.records import OWN, Record
+from fgenv.bench.common.timing import Clock, take_turns
 from fgenv.envs import Observation
 
-ROBOTS, JITTER, MAX_STEPS = 8, 0.3, 300
-SEEN = Observation(lidar=False, neighbors=3)
+MAX_STEPS = 300
+SCENARIO: dict[str, Any] = {"n": 8, "jitter": 0.3, "threads": 1}
+SCENARIO["observation"] = Observation(lidar=False, neighbors=3)
 ROWS = {"fgenv": 32, "SuperSuit": 32}  # worlds
-Record = dict[str, Any]
 
 
-def ours(worlds: int, seed: int) -> FleetVecEnv:
-    """`FleetVecEnv` over one simulator."""
-    return FleetVecEnv(
-        "swap",
-        worlds,
-        n=ROBOTS,
-        jitter=JITTER,
-        seed=seed,
-        observation=SEEN,
-        max_steps=MAX_STEPS,
-        threads=1,
-    )
+def fleet_vec_env(worlds: int, seed: int) -> FleetVecEnv:
+    """Return `FleetVecEnv` over one simulator."""
+    return FleetVecEnv("swap", worlds, seed=seed, max_steps=MAX_STEPS, **SCENARIO)
 
 
-def theirs(worlds: int, seed: int) -> Any:
-    """`fgenv.parallel_env` in SuperSuit's rows, in this process, as its tutorials have them."""
+def supersuit_vec_env(worlds: int, seed: int) -> Any:
+    """Return `fgenv.parallel_env` in SuperSuit's rows, in this process, as in its tutorials."""
     import supersuit
 
-    env = fgenv.parallel_env(
-        "swap",
-        n=ROBOTS,
-        jitter=JITTER,
-        seed=seed,
-        observation=SEEN,
-        max_cycles=MAX_STEPS,
-        threads=1,
-    )
+    env = fgenv.parallel_env("swap", seed=seed, max_cycles=MAX_STEPS, **SCENARIO)
     rows = supersuit.pettingzoo_env_to_vec_env_v1(supersuit.black_death_v3(env))
     return supersuit.concat_vec_envs_v1(rows, worlds, num_cpus=0, base_class="stable_baselines3")
 
 
-def ways() -> dict[str, Callable[[int, int], Any]]:
-    """Those that are installed, ours first."""
-    found: dict[str, Callable[[int, int], Any]] = {"fgenv": ours}
+def makers() -> dict[str, Callable[[int, int], Any]]:
+    """Return the makers of environments that are installed, fgenv first."""
+    installed: dict[str, Callable[[int, int], Any]] = {OWN: fleet_vec_env}
     if find_spec("supersuit") is not None:
-        found["SuperSuit"] = theirs
-    return found
+        installed["SuperSuit"] = supersuit_vec_env
+    return installed
 
 
 class Parts(BaseCallback):
-    """CPU seconds of gathering samples and of learning from them."""
+    """CPU seconds of gathering samples."""
 
     def __init__(self, clock: Clock) -> None:
         super().__init__()
@@ -86,41 +70,38 @@ def bench_train(
     progress: Callable[[str], object] | None = None,
     clock: Clock = process_time,
 ) -> list[Record]:
-    """Samples in a CPU second, PPO with its default network (two layers of 64), one thread.
+    """Return samples per CPU second of PPO with its default network (2 x 64), one thread.
 
-    They take turns to gather 64 steps per row and learn from them; the result is the median over
-    rounds, a first one not counted: `gather` with the policy's actions, `learn` the whole.
+    The environments take turns to gather 64 steps per row and learn from them. Results are medians
+    over rounds, without a first round: `gather` with the policy's actions, `learn` in total.
     """
     import torch
 
     torch.set_num_threads(1)
-    models = {name: model(make(ROWS[name], seed), seed) for name, make in ways().items()}
+    models = {name: model(make(ROWS[name], seed), seed) for name, make in makers().items()}
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in models}
-    for turn in range(rounds + 1):
-        for name, one in models.items():
-            if progress is not None:
-                progress(f"{name}, round {turn} of {rounds}")
-            found = timed(one, clock)
-            if turn > 0:
-                times[name].append(found)
-    return [record(name, models[name], times[name]) for name in models]
+    for name in take_turns(list(models), rounds + 1):
+        if progress is not None:
+            progress(f"{name}, round {len(times[name])} of {rounds}")
+        times[name].append(sample_seconds(models[name], clock))
+    return [record(name, models[name], times[name][1:]) for name in models]
 
 
 def model(envs: Any, seed: int) -> Any:
-    """PPO as our recipe for `swap` has it; SuperSuit's rows cannot be seeded."""
+    """Return PPO with the recipe of `swap`; SuperSuit's rows cannot be seeded."""
     if not isinstance(envs, FleetVecEnv):
         envs.seed = lambda seed=None: [seed] * envs.num_envs
     return ppo(recipe_of("swap"), envs, seed)
 
 
-def timed(one: Any, clock: Clock) -> tuple[float, float]:
-    """Seconds a sample: gathered, and learned from."""
-    parts, began, n = Parts(clock), clock(), one.n_steps * one.n_envs
-    one.learn(n, callback=parts, reset_num_timesteps=False)
+def sample_seconds(learner: Any, clock: Clock) -> tuple[float, float]:
+    """Return seconds per sample: gathered, and learned from."""
+    parts, began, n = Parts(clock), clock(), learner.n_steps * learner.n_envs
+    learner.learn(n, callback=parts, reset_num_timesteps=False)
     return parts.gathering / n, (clock() - began) / n
 
 
-def record(name: str, one: Any, times: list[tuple[float, float]]) -> Record:
-    """Rates of one of them."""
+def record(name: str, learner: Any, times: list[tuple[float, float]]) -> Record:
+    """Return the rates of one environment."""
     gather, learn = (1.0 / median(row) for row in zip(*times, strict=True))
-    return {"name": name, "rows": one.n_envs, "gather": gather, "learn": learn}
+    return {"name": name, "rows": learner.n_envs, "gather": gather, "learn": learn}

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from time import process_time
+from functools import partial
 from typing import Any
 
 import fcl
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from fgenv.arrays import Flags, Indices, Poses
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.common.poses import random_directions, random_poses_batched, random_rotations
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.timing import affordable, median_seconds
 from fgenv.bench.pairs.catalog import PAIRS
 from fgenv.bench.peers.fcl_ import PEER as FCL
 from fgenv.bench.peers.fgenv_ import PEER as FGENV
@@ -25,10 +27,9 @@ from fgenv.bench.world.crowd import turned
 from fgenv.bench.world.movers import along, between
 from fgenv.collision import World
 
-Record = dict[str, Any]
-Way = Callable[[Indices], Flags]
+Method = Callable[[Indices], Flags]  # indices (k,) of motions to verdicts (k,), True for contact
 STEP = 0.01  # meters that any point moves in a step of the discrete check
-DENSE = 1000  # poses of a motion in the cross-check of the truth
+DENSE = 1000  # poses per motion in the cross-check
 BUDGET = 4.0  # seconds
 NAMES = ("panda link5, hand", "solo legs", "z1 link1, link2", "ur5 base, upper arm")
 SOLVERS = {
@@ -56,28 +57,28 @@ class Motions:
         return float(np.linalg.norm(self.b.vertices, axis=1).max())
 
     def travel(self) -> NDArray[np.float64]:
-        """Meters (n,) that no point of b moves beyond."""
-        way = np.linalg.norm(self.T1[:, :3, 3] - self.T0[:, :3, 3], axis=1)
+        """Return upper bounds (n,) of the travel of any point of b, meters."""
+        shift = np.linalg.norm(self.T1[:, :3, 3] - self.T0[:, :3, 3], axis=1)
         turn = self.T1[:, :3, :3] @ self.T0[:, :3, :3].swapaxes(1, 2)
         cosine = np.clip((np.trace(turn, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)
-        return np.asarray(way + self.radius * np.arccos(cosine))
+        return np.asarray(shift + self.radius * np.arccos(cosine))
 
 
 def real_motions(count: int, seed: int) -> Iterator[Motions]:
-    """Robot links past each other: free at the start, 0.1 to 1 size long, up to 45 degrees."""
+    """Yield motions of robot links: free at the start, 0.1 to 1 size long, up to 45 degrees."""
     for k, name in enumerate(NAMES):
         pair = next(pair for pair in PAIRS if pair.name == name)
-        if not pair.here:
+        if not pair.available:
             continue
         a, b = pair.a.load(), pair.b.load()
         rng = np.random.default_rng([seed, 3, k])
-        judge = FCL.pair(FCL.build(a), FCL.build(b), np.eye(4)).collide_all
-        poses = random_poses_batched(a, b, np.eye(4), 3 * count, judge, rng)
-        T0 = poses[~judge(poses)][:count]
-        yield Motions(name, a, b, T0, _onward(T0, b.size * 10 ** rng.uniform(-1, 0, len(T0)), rng))
+        reference = FCL.pair(FCL.build(a), FCL.build(b), np.eye(4)).collide_all
+        poses = random_poses_batched(a, b, np.eye(4), 3 * count, reference, rng)
+        T0 = poses[~reference(poses)][:count]
+        yield Motions(name, a, b, T0, _ends(T0, b.size * 10 ** rng.uniform(-1, 0, len(T0)), rng))
 
 
-def _onward(T0: Poses, length: NDArray[np.float64], rng: np.random.Generator) -> Poses:
+def _ends(T0: Poses, length: NDArray[np.float64], rng: np.random.Generator) -> Poses:
     T1 = T0.copy()
     T1[:, :3, 3] += length[:, None] * random_directions(rng, len(T0))
     turn = turned(random_directions(rng, len(T0)), rng.uniform(0.0, np.pi / 4, len(T0)))
@@ -86,7 +87,7 @@ def _onward(T0: Poses, length: NDArray[np.float64], rng: np.random.Generator) ->
 
 
 def bullets(count: int, seed: int) -> Motions:
-    """A turning 4 mm cube shot through a plate of 0.1 mm; one in five goes past it."""
+    """Return motions of a turning 4 mm cube through a plate of 0.1 mm; one in five misses it."""
     rng = np.random.default_rng([seed, 4])
     plate, cube = (
         Mesh(name, np.asarray(box.vertices), np.asarray(box.faces, np.int32))
@@ -97,7 +98,7 @@ def bullets(count: int, seed: int) -> Motions:
     )
     T0 = np.tile(np.eye(4), (count, 1, 1))
     T0[:, :3, :3] = random_rotations(rng, count)
-    T1 = _onward(T0, np.zeros(count), rng)  # turning
+    T1 = _ends(T0, np.zeros(count), rng)  # turning
     through = rng.uniform(-0.19, 0.19, (count, 2))
     through[: count // 5, 0] += 0.5
     slope = rng.uniform(-0.1, 0.1, (count, 2))
@@ -109,7 +110,7 @@ def bullets(count: int, seed: int) -> Motions:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Without what a library writes to the process's own streams: FCL has much to say here."""
+    """Discard the output of a library to the streams of the process: FCL prints much here."""
     sys.stdout.flush()
     kept = [os.dup(stream) for stream in (1, 2)]
     with open(os.devnull, "w", encoding="utf-8") as nothing:
@@ -123,21 +124,21 @@ def quiet() -> Iterator[None]:
             os.close(old)
 
 
-class Fcl:
-    """One pair in python-fcl; a at the origin."""
+class FclPair:
+    """A pair in python-fcl; a at the origin."""
 
     def __init__(self, motions: Motions) -> None:
         model = FCL.build(motions.b)
-        self.pair = FCL.pair(FCL.build(motions.a), model, np.eye(4))
+        self.checker = FCL.pair(FCL.build(motions.a), model, np.eye(4))
         self.fixed = fcl.CollisionObject(FCL.build(motions.a))
         self.moving, self.here = fcl.CollisionObject(model), fcl.Transform()
 
     def discrete(self, poses: list[Poses]) -> Flags:
-        """Whether any of the poses (k, 4, 4) of each motion collides; stops at the first."""
-        return np.array([any(map(self.pair.collide, some)) for some in poses], np.bool_)
+        """Return whether any pose (k, 4, 4) of each motion collides; stops at the first."""
+        return np.array([any(map(self.checker.collide, motion)) for motion in poses], np.bool_)
 
     def continuous(self, T0: Poses, T1: Poses, solver: int) -> Flags:
-        """Its continuous collision, linear motion, at its own defaults for the rest."""
+        """Return verdicts of FCL's continuous collision: linear motion, defaults for the rest."""
         request = fcl.ContinuousCollisionRequest(
             ccd_motion_type=fcl.collision_data.CCDMotionType.CCDM_LINEAR, ccd_solver_type=solver
         )
@@ -153,7 +154,7 @@ class Fcl:
 
 
 def steps(motions: Motions, step: float) -> list[Poses]:
-    """The poses that a discrete check with that step asks for each motion, both ends included."""
+    """Return the poses of a discrete check with that step for each motion, with both ends."""
     counts = np.maximum(1, np.ceil(motions.travel() / step)).astype(int)
     return [
         np.concatenate([between(a, b, n), b[None]])
@@ -162,18 +163,17 @@ def steps(motions: Motions, step: float) -> list[Poses]:
 
 
 def bench_motions(motions: Motions, rounds: int = 5, budget: float = BUDGET) -> Record:
-    """Cost of each way on the free motions and on the others, and verdicts of all on all.
+    """Return costs of each method on free motions and on the others, and verdicts on all.
 
-    A way that would take more than `budget` seconds for all motions is asked the first of them.
+    A method that would take more than `budget` seconds gets only the first motions.
     """
     world = World()
     world.add(FGENV.build(motions.a))
     robot = world.add(FGENV.build(motions.b), motions.T0[0])
-    other = Fcl(motions)
-    jobs = _ways(world, robot, motions, other)
+    fcl_pair = FclPair(motions)
     result = world.check_motion(robot, motions.T0, motions.T1)
     free = np.asarray(result.free)
-    record: Record = {
+    return {
         "name": motions.name,
         "triangles": [len(motions.a.faces), len(motions.b.faces)],
         "size": motions.b.size,
@@ -181,85 +181,82 @@ def bench_motions(motions: Motions, rounds: int = 5, budget: float = BUDGET) -> 
         "free": int(free.sum()),
         "travel": _quartiles(motions.travel()[free]),
         "clearance": _quartiles(_clearance(world, robot, motions, free)),
-        "truth": cross_check(motions, other, result),
+        "truth": cross_check(motions, fcl_pair, result),
+        "ways": _compare(_methods(world, robot, motions, fcl_pair), free, rounds, budget),
     }
-    asked = {name: _affordable(job, len(motions), budget) for name, job in jobs.items()}
-    hits = {name: jobs[name](np.arange(asked[name])) for name in jobs}
-    rows_free, rows_met = np.flatnonzero(free), np.flatnonzero(~free)
-    seconds_free = _race(jobs, asked, rows_free, rounds)
-    seconds_met = _race(jobs, asked, rows_met, rounds)
-    record["ways"] = {
+
+
+def _compare(methods: Mapping[str, Method], free: Flags, rounds: int, budget: float) -> Record:
+    """Return seconds per motion and wrong verdicts of each method."""
+    rows = np.arange(len(free))
+    limits = {
+        name: affordable(method, rows, budget, least=10, trial=3)
+        for name, method in methods.items()
+    }
+    hits = {name: method(rows[: limits[name]]) for name, method in methods.items()}
+    seconds_free = _race(methods, limits, np.flatnonzero(free), rounds)
+    seconds_contact = _race(methods, limits, np.flatnonzero(~free), rounds)
+    return {
         name: {
             "free": seconds_free.get(name),
-            "contact": seconds_met.get(name),
-            "asked": asked[name],
-            "missed": int((~met & ~free[: len(met)]).sum()),
-            "false_alarms": int((met & free[: len(met)]).sum()),
+            "contact": seconds_contact.get(name),
+            "asked": limits[name],
+            "missed": int((~hit & ~free[: len(hit)]).sum()),
+            "false_alarms": int((hit & free[: len(hit)]).sum()),
         }
-        for name, met in hits.items()
+        for name, hit in hits.items()
     }
-    return record
 
 
-def _ways(world: World, robot: int, motions: Motions, other: Fcl) -> dict[str, Way]:
-    """Each way to check motions: rows (k,) of them to verdicts (k,), True for contact."""
+def _methods(world: World, robot: int, motions: Motions, pair: FclPair) -> dict[str, Method]:
+    """Return the methods to check motions."""
     poses = steps(motions, STEP)
 
-    def ours(**how: Any) -> Way:
-        def ask(rows: Indices) -> Flags:
-            T0, T1 = motions.T0[rows], motions.T1[rows]
-            return ~np.asarray(world.check_motion(robot, T0, T1, threads=1, **how).free)
+    def check(rows: Indices, **options: Any) -> Flags:
+        T0, T1 = motions.T0[rows], motions.T1[rows]
+        return ~np.asarray(world.check_motion(robot, T0, T1, threads=1, **options).free)
 
-        return ask
-
-    def theirs(solver: int) -> Way:
-        return lambda rows: other.continuous(motions.T0[rows], motions.T1[rows], solver)
+    def continuous(rows: Indices, solver: int) -> Flags:
+        return pair.continuous(motions.T0[rows], motions.T1[rows], solver)
 
     return {
-        "continuous": ours(),
-        "any contact": ours(first_contact=False),
-        "discrete 1 cm": ours(mode="discrete", resolution=STEP),
-        "FCL discrete 1 cm": lambda rows: other.discrete([poses[k] for k in rows]),
-        **{name: theirs(solver) for name, solver in SOLVERS.items()},
+        "continuous": check,
+        "any contact": partial(check, first_contact=False),
+        "discrete 1 cm": partial(check, mode="discrete", resolution=STEP),
+        "FCL discrete 1 cm": lambda rows: pair.discrete([poses[k] for k in rows]),
+        **{name: partial(continuous, solver=solver) for name, solver in SOLVERS.items()},
     }
 
 
-def _affordable(job: Way, count: int, budget: float) -> int:
-    """How many motions, the first ones, the budget (s) is enough for."""
-    began = process_time()
-    job(np.arange(min(3, count)))
-    return int(np.clip(3 * budget / (process_time() - began + 1e-9), min(10, count), count))
+def cross_check(motions: Motions, pair: FclPair, result: Any) -> Record:
+    """Compare the certified result with python-fcl, on dense samples and at each contact.
 
-
-def cross_check(motions: Motions, other: Fcl, result: Any) -> Record:
-    """The certified result against python-fcl: sampled densely, and at each contact shown.
-
-    `contradicted`: proved free, and python-fcl finds a pose that collides; must be 0.
-    `sampling_missed`: contacts that are shown and that even dense sampling steps over.
+    `contradicted`: certified free, and python-fcl finds a pose that collides; must be 0.
+    `sampling_missed`: contacts that dense sampling misses.
     """
     ends = zip(motions.T0, motions.T1, strict=True)
-    dense = other.discrete([between(a, b, DENSE) for a, b in ends])
+    dense = pair.discrete([between(a, b, DENSE) for a, b in ends])
     free, by = np.asarray(result.free), np.asarray(result.contact_by)
-    shown = [
-        other.pair.collide(_at(motions, int(k), float(by[k])))
+    confirmed = [
+        pair.checker.collide(_at(motions, int(k), float(by[k])))
         for k in np.flatnonzero(~free & np.isfinite(by))
     ]
     return {
         "contradicted": int((free & dense).sum()),
         "sampling_missed": int((~free & ~dense).sum()),
-        "contacts_confirmed": int(np.sum(shown)),
-        "contacts": len(shown),
+        "contacts_confirmed": int(np.sum(confirmed)),
+        "contacts": len(confirmed),
         "unresolved": int(np.isnan(by).sum()),
     }
 
 
 def _at(motions: Motions, k: int, fraction: float) -> Poses:
-    """The pose (4, 4) of a motion at a fraction of it."""
+    """Return the pose (4, 4) of a motion at a fraction of it."""
     return np.asarray(along(motions.T0[k], motions.T1[k], np.array([fraction]))[0])
 
 
 def _clearance(world: World, robot: int, motions: Motions, free: Flags) -> NDArray[np.float64]:
-    """Least distance (n,) on the way, looked for at 16 poses of each free motion, in sizes."""
+    """Return the least distance (n,) at 16 poses of each free motion, in sizes."""
     pairs = zip(motions.T0[free], motions.T1[free], strict=True)
     poses = np.array([between(a, b, 16) for a, b in pairs]).reshape(-1, 16, 4, 4)
     least = world.clearance(robot, poses).distance.min(axis=1)
@@ -271,16 +268,12 @@ def _quartiles(values: NDArray[np.float64]) -> list[float]:
 
 
 def _race(
-    jobs: Mapping[str, Way], asked: Mapping[str, int], rows: Indices, rounds: int
+    methods: Mapping[str, Method], limits: Mapping[str, int], rows: Indices, rounds: int
 ) -> dict[str, float]:
-    """Median CPU-seconds per motion of each method, in turns; slow methods run once."""
-    taken: dict[str, list[float]] = {name: [] for name in jobs}
-    order, every = list(jobs), max(asked.values())
-    for turn in range(rounds):
-        for name in order[turn % len(order) :] + order[: turn % len(order)]:
-            some = rows[rows < asked[name]]
-            if len(some) and (asked[name] == every or not taken[name]):
-                began = process_time()
-                jobs[name](some)
-                taken[name].append((process_time() - began) / len(some))
-    return {name: float(np.median(times)) for name, times in taken.items() if times}
+    """Return median CPU seconds per motion of each method, in turns; limited methods run once."""
+    parts = {name: part for name, last in limits.items() if len(part := rows[rows < last])}
+    jobs = {name: partial(methods[name], part) for name, part in parts.items()}
+    whole = {name: job for name, job in jobs.items() if limits[name] == max(limits.values())}
+    limited = {name: job for name, job in jobs.items() if name not in whole}
+    seconds = median_seconds(whole, rounds) | median_seconds(limited, 1)
+    return {name: seconds[name] / len(part) for name, part in parts.items()}
