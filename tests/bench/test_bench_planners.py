@@ -10,16 +10,24 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fgenv.bench.planners import arm_run, edges, replay, rigid_run
+from fgenv.bench.planners import arm_run, recording, replay, rigid_run
 from fgenv.bench.planners.coal_ import coal_bodies
 from fgenv.bench.planners.fcl_ import fcl_bodies
 from fgenv.bench.planners.goals import goals
+from fgenv.bench.planners.methods import (
+    CERTIFIED,
+    COAL,
+    DISCRETE,
+    FCL,
+    methods_of,
+    plugin,
+    python_checker,
+)
 from fgenv.bench.planners.report import tables_of
-from fgenv.bench.planners.rigid import asked
+from fgenv.bench.planners.rigid import verdicts
 from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners, silent
-from fgenv.bench.planners.search import judge_of, run, seeded
+from fgenv.bench.planners.search import path_check, run, seeded
 from fgenv.bench.planners.task import Task
-from fgenv.bench.planners.ways import CERTIFIED, COAL, DISCRETE, FCL, ours, theirs, ways_of
 from fgenv.cli import app
 from fgenv.cli.errors import describe, exit_code
 
@@ -50,9 +58,9 @@ def test_the_libraries_say_what_the_world_says(
     task = request.getfixturevalue(which)
     row = np.empty(task.samples.shape[1])
     q = np.concatenate([task.samples[:300], task.ends])
-    search = seeded(ours(task.problem), 0)
+    search = seeded(plugin(task.problem), 0)
     valid = np.asarray(search.validity._core.valid(q))
-    hits = np.array(asked(bodies(task)(row), row, q))
+    hits = np.array(verdicts(bodies(task)(row), row, q))
     assert 0 < valid.sum() < len(q)
     # A body inside another without touching it is seen by the world alone.
     assert not (hits & valid).any()
@@ -61,7 +69,7 @@ def test_the_libraries_say_what_the_world_says(
 
 
 def test_both_take_as_many_steps_in_the_mean(task: Task) -> None:
-    search = seeded(theirs(task, fcl_bodies(task)), 0)
+    search = seeded(python_checker(task, fcl_bodies(task)), 0)
     search.simple.setup()
     space, write = search.si.getStateSpace(), search.buffer.write
     a, b = search.si.allocState(), search.si.allocState()
@@ -74,15 +82,17 @@ def test_both_take_as_many_steps_in_the_mean(task: Task) -> None:
 
 
 def test_the_same_seed_searches_the_same_by_every_way(task: Task) -> None:
-    found = {name: run(seeded(way, 2), LIMIT) for name, way in ways_of(task, [FCL, COAL]).items()}
-    judge = judge_of(task, fcl_bodies(task))
+    found = {
+        name: run(seeded(way, 2), LIMIT) for name, way in methods_of(task, [FCL, COAL]).items()
+    }
+    judge = path_check(task, fcl_bodies(task))
     own = found[CERTIFIED].path
     assert own is not None
     assert not judge(own)
     np.testing.assert_allclose(own[[0, -1]], task.ends, atol=1e-12)
     assert found[FCL].motions == found[COAL].motions > 0
     assert found[FCL].states == found[COAL].states > found[FCL].motions
-    again = run(seeded(ours(task.problem), 2), LIMIT)
+    again = run(seeded(plugin(task.problem), 2), LIMIT)
     assert (again.motions, again.states) == (found[CERTIFIED].motions, found[CERTIFIED].states)
 
 
@@ -90,17 +100,17 @@ def test_the_judge_sees_a_wall_between_two_states(task: Task) -> None:
     start, _ = task.ends
     outside = start.copy()
     outside[2] = -1.0  # below the floor, which is 0.1 m thick
-    search = seeded(ours(task.problem), 0)
+    search = seeded(plugin(task.problem), 0)
     assert search.validity._core.valid(np.array([start, outside])).all()
-    assert judge_of(task, fcl_bodies(task))(np.array([start, outside]))
-    assert not judge_of(task, fcl_bodies(task))(np.array([start, start]))
+    assert path_check(task, fcl_bodies(task))(np.array([start, outside]))
+    assert not path_check(task, fcl_bodies(task))(np.array([start, start]))
 
 
 def test_the_floor_is_the_same_search(task: Task) -> None:
-    way = ours(task.problem)
-    known = edges.recorded(way, 2, LIMIT)
+    way = plugin(task.problem)
+    known = recording.record_checks(way, 2, LIMIT)
     found = run(seeded(way, 2), LIMIT, shorten=False)
-    least = edges.floor(way, 2, LIMIT, known)
+    least = recording.run_floor(way, 2, LIMIT, known)
     assert least.motions == found.motions == len(known.free)
     assert least.states == found.states == len(known.valid)
     core = seeded(way, 2).simple.motions._core
@@ -137,7 +147,7 @@ def test_a_problem_has_every_row(task: Task, monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize("name", [CERTIFIED, FCL])
 def test_a_search_ends_when_its_time_is_over(name: str) -> None:
     trap = Task.of("rings")
-    found = run(seeded(ways_of(trap, [FCL])[name], 0), 0.2)
+    found = run(seeded(methods_of(trap, [FCL])[name], 0), 0.2)
     assert found.path is not None or 0.15 < found.seconds < 3.0
 
 
@@ -158,7 +168,7 @@ def test_an_arm_against_pinocchio(monkeypatch: pytest.MonkeyPatch) -> None:
     own = record["ways"][CERTIFIED]
     assert own["solved"] == [True]
     assert own["hidden"] == 0
-    found = arm_run.summed([record])
+    found = arm_run.family_statistics([record])
     assert found[CERTIFIED]["median"] > 0
     assert tables_of("mbm", [record])[0][0].row_count == 4
     assert goals({"problems": [], "mbm": [record]})["mbm: share solved"]["measured"] == 1.0

@@ -2,172 +2,147 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from rich.table import Table
 
-from . import arm_run
-from .rigid_run import Record
-from .ways import CERTIFIED, COAL, DISCRETE, FCL
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.tables import (
+    Columns,
+    count,
+    fixed,
+    goals_table,
+    grouped,
+    micros,
+    millis,
+    number,
+    ratio,
+    table,
+    text,
+)
+
+from .arm_run import family_statistics
+from .methods import CERTIFIED, COAL, DISCRETE, FCL
 
 NOTES = {
     "problems": "RRTConnect, the same seeds, space and range. s: CPU seconds to the first "
-    "solution, median; ×: times fgenv certified is faster; motions: asked for, median; kmot, kst: "
-    "thousands of motions and states asked in a CPU second of the search; hidden: shortened "
-    "solutions in which python-fcl finds a collision when it looks 100 times finer than the "
-    "resolution, of those solved. certified, discrete: fgenv's plug-in; the others: checkers in "
-    "Python under OMPL's discrete validator, which takes as many steps in the mean.",
-    "edges": "µs of CPU an edge: the very edges that certified searches asked for, asked again "
-    "through OMPL; native: certified in one batch; plug: what OMPL and the plug-in add to that; "
-    "×FCL: python-fcl's time over fgenv's discrete at equal resolution; states: single states.",
+    "solution, median; ×: times fgenv certified is faster; motions: checked; kmot, kst: thousands "
+    "of motions and states checked per CPU second of the search; hidden: shortened solutions in "
+    "which python-fcl finds a collision at 1/100 of the resolution, of those solved. certified, "
+    "discrete: fgenv's plug-in; the others: checkers in Python under OMPL's discrete validator, "
+    "with as many steps in the mean.",
+    "edges": "CPU µs per edge: the edges of certified searches, checked again through OMPL; "
+    "native: certified in one batch; plug: cost of OMPL and the plug-in above that; ×FCL: "
+    "python-fcl's time over fgenv's discrete at equal resolution; states: single states.",
     "floor": "The same searches with known verdicts: the cost of OMPL itself. "
-    "times: certified against it, median; floor, check: µs per motion of that, and above it.",
+    "times: certified relative to it, median; floor, check: µs per motion of it, and above it.",
     "traps": "Solved within the time limit; hidden as above.",
-    "mbm": "ms of CPU to the first solution; hidden: shortened solutions in which pinocchio and "
+    "mbm": "CPU ms to the first solution; hidden: shortened solutions in which pinocchio and "
     "coal find a collision at 1/3200 rad. pinocchio + coal: discrete, 1/32 rad.",
+}
+METHODS = (CERTIFIED, "native", DISCRETE, FCL, COAL)
+SEARCH: Columns = {
+    "problem": ("problem", text),
+    "way": ("name", text),
+    "solved": (lambda row: f"{row['solved']}/{row['of']}", str),
+    "s": (
+        lambda row: f">{row['limit']:g}" if row["seconds"] is None else number()(row["seconds"]),
+        str,
+    ),
+}
+HIDDEN: Columns = {"hidden": (lambda row: f"{row['hidden']}/{row['solved']}", str)}
+COLUMNS: dict[str, Columns] = {
+    "problems": {
+        **SEARCH,
+        "×": ("times", ratio),
+        "motions": ("motions", count),
+        "kmot/s": ("motions_per_second", number(1e-3)),
+        "kst/s": ("states_per_second", number(1e-3)),
+        **HIDDEN,
+    },
+    "edges": {
+        "problem": ("problem", text),
+        "": ("name", text),
+        "edges": ("count", fixed(0)),
+        **{name: (name, micros) for name in METHODS},
+        "plug": ("plug", micros),
+        "×FCL": ("times", ratio),
+    },
+    "floor": {
+        "problem": ("problem", text),
+        "certified s": (f"ways.{CERTIFIED}.seconds", number()),
+        "floor s": ("floor.seconds", number()),
+        "times": ("floor.times", fixed(2)),
+        "floor µs": ("floor.per_motion", micros),
+        "check µs": ("floor.check", micros),
+    },
+    "traps": {**SEARCH, "motions": ("motions", count), **HIDDEN},
+    "mbm": {
+        "family": ("family", text),
+        "way": ("name", text),
+        "problems": ("problems", str),
+        "solved": ("solved", lambda share: f"{100 * share:.0f} %"),
+        "median": ("median", millis),
+        "95 %": ("p95", millis),
+        "motions": ("motions", count),
+        "hidden": ("hidden", str),
+    },
+}
+TITLES = {
+    "problems": "Time to the first solution",
+    "edges": "The same edges",
+    "floor": "Cost of OMPL itself",
+    "traps": "Traps",
+    "mbm": "MotionBenchMaker, Panda",
 }
 
 
 def tables_of(kind: str, records: Sequence[Record]) -> list[tuple[Table, str]]:
-    """Tables of one kind of record, each with what its columns mean."""
+    """Return the tables of one kind of record, each with the meaning of its columns."""
+    if kind == "goals":
+        return [(goals_table(records), "")]
+    if kind == "mbm":
+        families = [(record["family"], _family_rows([record])) for record in records]
+        rows = {kind: grouped("family", [*families, ("all", _family_rows(records))])}
+    else:
+        rows = {kind: grouped("problem", ((_title(kind, r), _search_rows(r)) for r in records))}
     if kind == "problems":
-        return [
-            (problems_table(records), NOTES["problems"]),
-            (edges_table(records), NOTES["edges"]),
-            (floor_table(records), NOTES["floor"]),
-        ]
-    makers = {"traps": traps_table, "mbm": mbm_table, "goals": goals_table}
-    return [(makers[kind](records), NOTES.get(kind, ""))]
+        rows["edges"] = grouped("problem", ((r["problem"], _edge_rows(r)) for r in records))
+        rows["floor"] = [record for record in records if "floor" in record]
+    return [(table(TITLES[name], COLUMNS[name], part), NOTES[name]) for name, part in rows.items()]
 
 
-def problems_table(records: Sequence[Record]) -> Table:
-    """Problems and ways downward."""
-    titles = ("solved", "s", "×", "motions", "kmot/s", "kst/s", "hidden")
-    table = _table("Time to the first solution", ("problem", "way"), titles)
-    for record in records:
-        own = record["ways"][CERTIFIED]["seconds"]
-        for k, (name, way) in enumerate(record["ways"].items()):
-            took = way["seconds"]
-            times = "" if name == CERTIFIED or not (own and took) else f"{took / own:.1f}"
-            table.add_row(
-                "" if k else f"{record['problem']} ({1e3 * record['resolution']:.0f} mm)",
-                name,
-                f"{way['solved']}/{way['of']}",
-                f">{record['limit']:g}" if took is None else f"{took:.3g}",
-                times,
-                f"{way['motions']:,.0f}",
-                _thousands(way["motions_per_second"]),
-                "" if name in (CERTIFIED, DISCRETE) else _thousands(way["states_per_second"]),
-                f"{way['hidden']}/{way['solved']}",
-            )
-    return table
+def _title(kind: str, record: Record) -> str:
+    name = str(record["problem"])
+    return f"{name} ({1e3 * record['resolution']:.0f} mm)" if kind == "problems" else name
 
 
-def edges_table(records: Sequence[Record]) -> Table:
-    """Problems downward, ways across."""
-    columns = (CERTIFIED, "native", DISCRETE, FCL, COAL)
-    table = _table("The same edges", ("problem", ""), ("edges", *columns, "plug", "×FCL"))
-    for record in records:
-        found = record.get("edges", {})
-        rows = {"all": "all", "free": "free", "hit": "not free", "states": "states"}
-        for k, (kind, title) in enumerate((k, t) for k, t in rows.items() if k in found):
-            took = found[kind]
-            count = {"all": 1.0, "free": found["share"], "hit": 1 - found["share"]}.get(kind, 1.0)
-            plug = took[CERTIFIED] - took["native"] if "native" in took else None
-            table.add_row(
-                "" if k else record["problem"],
-                title,
-                f"{count * found['edges']:.0f}",
-                *(_micros(took.get(name)) for name in columns),
-                _micros(plug),
-                f"{took[FCL] / took[DISCRETE]:.1f}",
-            )
-    return table
+def _search_rows(record: Record) -> Iterator[Record]:
+    """Yield a row per method."""
+    own = record["ways"][CERTIFIED]["seconds"]
+    for name, method in record["ways"].items():
+        row = {**method, "name": name, "limit": record["limit"]}
+        if name != CERTIFIED and own and method["seconds"]:
+            row["times"] = method["seconds"] / own
+        if name in (CERTIFIED, DISCRETE):
+            del row["states_per_second"]  # their motions check no states
+        yield row
 
 
-def floor_table(records: Sequence[Record]) -> Table:
-    """Problems downward."""
-    titles = ("certified s", "floor s", "times", "floor µs", "check µs")
-    table = _table("What OMPL itself takes", ("problem",), titles)
-    for record in records:
-        if "floor" in record:
-            least, own = record["floor"], record["ways"][CERTIFIED]["seconds"]
-            table.add_row(
-                record["problem"],
-                "-" if own is None else f"{own:.3g}",
-                f"{least['seconds']:.3g}",
-                f"{least['times']:.2f}",
-                _micros(least["per_motion"]),
-                _micros(least["check"]),
-            )
-    return table
+def _edge_rows(record: Record) -> Iterator[Record]:
+    """Yield a row per kind of edge, and one for single states."""
+    edges = record.get("edges", {})
+    shares = {"free": edges.get("share", 0.0), "hit": 1.0 - edges.get("share", 0.0)}
+    titles = {"all": "all", "free": "free", "hit": "not free", "states": "states"}
+    for kind, title in titles.items():
+        if kind in edges:
+            row = {**edges[kind], "name": title, "count": shares.get(kind, 1.0) * edges["edges"]}
+            row["times"] = row[FCL] / row[DISCRETE]
+            row["plug"] = row[CERTIFIED] - row["native"] if "native" in row else None
+            yield row
 
 
-def traps_table(records: Sequence[Record]) -> Table:
-    """Traps and ways downward."""
-    table = _table("Traps", ("problem", "way"), ("solved", "s", "motions", "hidden"))
-    for record in records:
-        for k, (name, way) in enumerate(record["ways"].items()):
-            took = way["seconds"]
-            table.add_row(
-                "" if k else record["problem"],
-                name,
-                f"{way['solved']}/{way['of']}",
-                f">{record['limit']:g}" if took is None else f"{took:.3g}",
-                f"{way['motions']:,.0f}",
-                f"{way['hidden']}/{way['solved']}",
-            )
-    return table
-
-
-def mbm_table(records: Sequence[Record]) -> Table:
-    """Families downward, then all of them."""
-    titles = ("problems", "solved", "median", "95 %", "motions", "hidden")
-    table = _table("MotionBenchMaker, Panda", ("family", "way"), titles)
-    for record in (*records, None):
-        found = arm_run.summed(records if record is None else [record])
-        for k, (name, way) in enumerate(found.items()):
-            table.add_row(
-                "" if k else ("all" if record is None else record["family"]),
-                name,
-                str(way["problems"]),
-                f"{100 * way['solved']:.0f} %",
-                _millis(way["median"]),
-                _millis(way["p95"]),
-                f"{way['motions']:,.0f}",
-                str(way["hidden"]),
-            )
-    return table
-
-
-def goals_table(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Goals and measured values."""
-    table = _table("Goals", ("",), ("expected", "measured", ""))
-    for goal, found in records[0].items():
-        most, expected, measured = found.get("at_most"), found["expected"], found["measured"]
-        held = measured <= expected if most else measured >= expected
-        word = "at most" if most else "at least"
-        table.add_row(goal, f"{word} {expected:.3g}", f"{measured:.3g}", "yes" if held else "no")
-    return table
-
-
-def _table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    table = Table(title=title, box=None, padding=(0, 0, 0, 1), pad_edge=False, title_style="bold")
-    for column in left:
-        table.add_column(column, no_wrap=True)
-    for column in right:
-        table.add_column(column, justify="right", no_wrap=True)
-    return table
-
-
-def _thousands(rate: float) -> str:
-    return f"{rate / 1000:.3g}"
-
-
-def _micros(seconds: float | None) -> str:
-    return "" if seconds is None else f"{1e6 * seconds:.3g}"
-
-
-def _millis(seconds: float | None) -> str:
-    return "-" if seconds is None else f"{1e3 * seconds:.3g}"
+def _family_rows(records: Sequence[Record]) -> Iterator[Record]:
+    """Yield a row per method over the problems of some families."""
+    for name, method in family_statistics(records).items():
+        yield {**method, "name": name}

@@ -1,78 +1,75 @@
-"""Common parts of state checkers in Python on other libraries, as a careful user writes them.
+"""Common parts of state checkers in Python on other libraries.
 
-Models are built once. OMPL's `serialize` writes the numbers of a state into an array whose
-views are what the libraries take: no other way of reading a state was faster. All that stands is
-either one merged mesh or a tree of boxes over bodies, whichever is faster on the problem at hand.
+Models are built once. OMPL's `serialize` writes the numbers of a state into an array, and the
+libraries read views of it: the fastest way to read a state in Python. Obstacles are either one
+merged mesh or a tree of boxes over bodies, whichever is faster on the problem.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import combinations
-from time import process_time
 from typing import Any
 
 import numpy as np
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.timing import round_seconds
 
-Collides = Callable[[], bool]  # of the configuration in the row that was bound
+Collides = Callable[[], bool]  # of the configuration in the bound row
 Bind = Callable[[Floats], Collides]  # to a row (7 n,): x, y, z, qx, qy, qz, qw of each robot
 TRIAL = 300  # configurations
-MIXED = 0.01  # of them that two forms of one scene may differ on
+MIXED = 0.01  # share of them that two models of one scene may differ on
 
 
-def joined(
+def any_collision(
     moves: list[Callable[[], None]],
     bodies: list[Any],
-    meets: Callable[[Any], bool],
-    each_other: Callable[[Any, Any], Any],
+    hits_obstacle: Callable[[Any], bool],
+    hits_other: Callable[[Any, Any], Any],
 ) -> Collides:
-    """Whether a robot collides with an obstacle or another robot; stops at the first collision."""
+    """Return a check of robots with obstacles and each other; it stops at the first collision."""
     if len(bodies) == 1:
         move, body = moves[0], bodies[0]
 
-        def alone() -> bool:
+        def single() -> bool:
             move()
-            return meets(body)
+            return hits_obstacle(body)
 
-        return alone
+        return single
     pairs, placed = list(combinations(bodies, 2)), list(zip(moves, bodies, strict=True))
 
-    def together() -> bool:
+    def several() -> bool:
         for move, body in placed:
             move()
-            if meets(body):
+            if hits_obstacle(body):
                 return True
-        return any(each_other(a, b) for a, b in pairs)
+        return any(hits_other(a, b) for a, b in pairs)
 
-    return together
+    return several
 
 
-def faster(name: str, samples: Floats, ways: list[Bind]) -> Bind:
-    """The one that takes least CPU on configurations at random.
+def fastest(name: str, samples: Floats, binds: Sequence[Bind]) -> Bind:
+    """Return the one of several models that takes least CPU time on random configurations.
 
-    All say the same but where one takes a box for solid, and a mesh inside it is seen.
+    Their verdicts are equal, except where one uses a solid box, which contains a mesh.
+
+    Raises:
+        RuntimeError: the models differ.
     """
-    seconds, said = [], []
-    for way in ways:
-        row = np.empty(samples.shape[1])
-        collides = way(row)
-        runs = []
-        for _ in range(3):
-            began = process_time()
-            said.append(asked(collides, row, samples[:TRIAL]))
-            runs.append(process_time() - began)
-        seconds.append(min(runs))
-    if (np.mean(said, axis=0) % 1 > 0).mean() > MIXED:
-        raise RuntimeError(f"{name}: two forms of the same scene differ")
-    return ways[int(np.argmin(seconds))]
+    row = np.empty(samples.shape[1])
+    checks = [partial(verdicts, bind(row), row, samples[:TRIAL]) for bind in binds]
+    if (np.mean([check() for check in checks], axis=0) % 1 > 0).mean() > MIXED:
+        raise RuntimeError(f"{name}: two models of the same scene differ")
+    seconds = round_seconds(dict(enumerate(checks)), 3)
+    return min(enumerate(binds), key=lambda item: seconds[item[0]].min())[1]
 
 
-def asked(collides: Collides, row: Floats, configurations: Floats) -> list[bool]:
-    """What each configuration's answer is."""
-    answers = []
+def verdicts(collides: Collides, row: Floats, configurations: Floats) -> list[bool]:
+    """Return whether each configuration collides."""
+    results = []
     for q in configurations:
         row[:] = q
-        answers.append(collides())
-    return answers
+        results.append(collides())
+    return results

@@ -1,4 +1,4 @@
-"""One problem of free bodies, every way, all seeds: a record for JSON, times in seconds."""
+"""One problem of free bodies, all methods, all seeds: a record for JSON, times in seconds."""
 
 from __future__ import annotations
 
@@ -7,119 +7,118 @@ from typing import Any
 
 import numpy as np
 
-from .edges import floor, recorded
-from .fcl_ import fcl_bodies
-from .replay import replay
-from .search import Found, judge_of, run, seeded
-from .task import Task
-from .ways import CERTIFIED, DISCRETE, FCL, Way, ways_of
+from fgenv.bench.common.records import Record
+from fgenv.bench.common.timing import rotated
 
-Record = dict[str, Any]
+from .fcl_ import fcl_bodies
+from .methods import CERTIFIED, DISCRETE, FCL, Method, methods_of
+from .recording import record_checks, run_floor
+from .replay import replay
+from .search import Progress, SearchResult, path_check, run, seeded, warm_up
+from .task import Task
+
 RECORDED = 3  # searches with edges that are checked again
-Told = Callable[[str], None]
 
 
 def race_task(
-    task: Task, peers: Sequence[str], seeds: Sequence[int], limit: float, report_progress: Told
+    task: Task,
+    peers: Sequence[str],
+    seeds: Sequence[int],
+    limit: float,
+    report_progress: Progress,
 ) -> Record:
-    """All measurements of one problem; `report_progress` receives progress messages."""
-    ways = ways_of(task, list(peers))
-    found = solve_all(task, ways, seeds, limit, report_progress)
-    judge = judge_of(task, fcl_bodies(task))
-    record = about(task, limit)
-    record["ways"] = {name: summed(runs, judge) for name, runs in found.items()}
-    certified = found[CERTIFIED]
-    solved = [seed for seed, one in zip(seeds, certified, strict=True) if one.path is not None]
-    if solved:
-        report_progress("the floor")
-        known = [recorded(ways[CERTIFIED], seed, limit) for seed in solved]
-        least = [floor(ways[CERTIFIED], s, limit, k) for s, k in zip(solved, known, strict=True)]
-        own = [one for one in certified if one.path is not None]
-        record["floor"] = floored(own, least)
-        report_progress("edges once more")
-        record["edges"] = replay(ways, known[:RECORDED], seeds[0])
+    """Return all measurements of one problem; `report_progress` receives progress messages."""
+    methods = methods_of(task, peers)
+    results = solve_all(methods, seeds, limit, report_progress)
+    record = task_record(task, limit, results)
+    own = {s: r for s, r in zip(seeds, results[CERTIFIED], strict=True) if r.path is not None}
+    if own:
+        report_progress("cost of OMPL itself")
+        method = methods[CERTIFIED]
+        recordings = {seed: record_checks(method, seed, limit) for seed in own}
+        floors = [run_floor(method, seed, limit, r) for seed, r in recordings.items()]
+        record["floor"] = floor_record(list(own.values()), floors)
+        report_progress("the same edges")
+        record["edges"] = replay(methods, list(recordings.values())[:RECORDED], seeds[0])
     record["ratio"] = ratios(record)
     return record
 
 
-def race_trap(task: Task, seeds: Sequence[int], limit: float, report_progress: Told) -> Record:
-    """How many seeds solve it: certified, and by python-fcl."""
-    ways = {k: way for k, way in ways_of(task, [FCL]).items() if k != DISCRETE}
-    found = solve_all(task, ways, seeds, limit, report_progress)
-    judge = judge_of(task, fcl_bodies(task))
-    return about(task, limit) | {
-        "ways": {name: summed(runs, judge) for name, runs in found.items()}
-    }
+def race_trap(task: Task, seeds: Sequence[int], limit: float, report_progress: Progress) -> Record:
+    """Return the searches of a hard problem: certified, and by python-fcl."""
+    methods = methods_of(task, [FCL])
+    del methods[DISCRETE]
+    return task_record(task, limit, solve_all(methods, seeds, limit, report_progress))
 
 
-def about(task: Task, limit: float) -> Record:
-    """The problem."""
+def task_record(task: Task, limit: float, results: Mapping[str, Sequence[SearchResult]]) -> Record:
+    """Return the problem and the statistics of each method."""
+    collides = path_check(task, fcl_bodies(task))
     return {
         "problem": task.name,
         "robots": len(task.movers),
-        "triangles": [len(task.movers[0].faces), sum(len(m.faces) for m in task.standing)],
+        "triangles": [len(task.movers[0].faces), sum(len(m.faces) for m in task.obstacles)],
         "resolution": task.resolution,
         "limit": limit,
+        "ways": {name: statistics(runs, collides) for name, runs in results.items()},
     }
 
 
 def solve_all(
-    task: Task, ways: Mapping[str, Way], seeds: Sequence[int], limit: float, report_progress: Told
-) -> dict[str, list[Found]]:
-    """All checkers on each seed; their order rotates."""
-    found: dict[str, list[Found]] = {name: [] for name in ways}
-    names = list(ways)
-    for way in ways.values():
-        run(seeded(way, seeds[0]), 0.02, shorten=False)  # the first touch pays for caches
-    for k, seed in enumerate(seeds):
-        for name in names[k % len(names) :] + names[: k % len(names)]:
+    methods: Mapping[str, Method], seeds: Sequence[int], limit: float, report_progress: Progress
+) -> dict[str, list[SearchResult]]:
+    """Search with all methods on each seed; their order rotates."""
+    results: dict[str, list[SearchResult]] = {name: [] for name in methods}
+    for method in methods.values():
+        warm_up(method, seeds[0], 0.02)
+    for turn, seed in enumerate(seeds):
+        for name in rotated(list(methods), turn):
             report_progress(f"seed {seed}, {name}")
-            found[name].append(run(seeded(ways[name], seed), limit))
-    return found
+            results[name].append(run(seeded(methods[name], seed), limit))
+    return results
 
 
-def summed(runs: Sequence[Found], judge: Callable[[Any], bool]) -> Record:
-    """Medians over seeds (a search that failed took for ever), and what the judge sees."""
-    paths = [one.path for one in runs if one.path is not None]
-    seconds = [one.seconds if one.path is not None else np.inf for one in runs]
-    spent = sum(one.seconds for one in runs)
-    middle = float(np.median(seconds))
+def statistics(results: Sequence[SearchResult], collides: Callable[[Any], bool]) -> Record:
+    """Return medians over seeds (a failed search took for ever), and hidden collisions."""
+    paths = [result.path for result in results if result.path is not None]
+    seconds = [result.seconds for result in results]
+    motions, states = ([getattr(r, key) for r in results] for key in ("motions", "states"))
+    solved = [r.seconds if r.path is not None else np.inf for r in results]
+    median = float(np.median(solved))
     return {
         "solved": len(paths),
-        "of": len(runs),
-        "seconds": middle if np.isfinite(middle) else None,
-        "all_seconds": [one.seconds for one in runs],
-        "motions": float(np.median([one.motions for one in runs])),
-        "states": float(np.median([one.states for one in runs])),
-        "motions_per_second": sum(one.motions for one in runs) / spent,
-        "states_per_second": sum(one.states for one in runs) / spent,
-        "hidden": sum(judge(path) for path in paths),
+        "of": len(results),
+        "seconds": median if np.isfinite(median) else None,
+        "all_seconds": seconds,
+        "motions": float(np.median(motions)),
+        "states": float(np.median(states)),
+        "motions_per_second": sum(motions) / sum(seconds),
+        "states_per_second": sum(states) / sum(seconds),
+        "hidden": sum(collides(path) for path in paths),
     }
 
 
-def floored(own: Sequence[Found], least: Sequence[Found]) -> Record:
-    """The same searches with their answers known, and what a motion took of the real ones."""
-    motions = sum(one.motions for one in own)
-    both = [sum(one.seconds for one in some) for some in (own, least)]
+def floor_record(own: Sequence[SearchResult], floors: Sequence[SearchResult]) -> Record:
+    """Return the cost of the searches with known verdicts, and of the checks above it."""
+    motions = sum(result.motions for result in own)
+    seconds, least = (np.array([r.seconds for r in results]) for results in (own, floors))
     return {
-        "seconds": float(np.median([one.seconds for one in least])),
-        "per_motion": both[1] / motions,
-        "times": float(np.median([a.seconds / b.seconds for a, b in zip(own, least, strict=True)])),
-        "check": (both[0] - both[1]) / motions,
+        "seconds": float(np.median(least)),
+        "per_motion": float(least.sum() / motions),
+        "times": float(np.median(seconds / least)),
+        "check": float((seconds.sum() - least.sum()) / motions),
     }
 
 
 def ratios(record: Record) -> dict[str, float]:
-    """How many times less CPU than python-fcl: to the first solution, and for equal edges."""
-    own, other = (record["ways"].get(name) for name in (CERTIFIED, FCL))
-    out: dict[str, float] = {}
-    if other and other["seconds"] and own["seconds"]:
-        out["solution"] = other["seconds"] / own["seconds"]
-    if other and "edges" in record:
-        for kind in ("all", "free", "hit"):
-            if kind in record["edges"]:
-                took = record["edges"][kind]
-                out[f"check_{kind}"] = took[FCL] / took[DISCRETE]
-        took = record["edges"]["states"]
-        out["states"] = took[FCL] / took[DISCRETE]
-    return out
+    """Return speed-ups over python-fcl: to the first solution, and for equal edges."""
+    own, fcl = (record["ways"].get(name) for name in (CERTIFIED, FCL))
+    result: dict[str, float] = {}
+    if fcl and fcl["seconds"] and own["seconds"]:
+        result["solution"] = fcl["seconds"] / own["seconds"]
+    kinds = {"all": "check_all", "free": "check_free", "hit": "check_hit", "states": "states"}
+    for kind, key in kinds.items():
+        seconds = record.get("edges", {}).get(kind)
+        if fcl and seconds:
+            result[key] = seconds[FCL] / seconds[DISCRETE]
+    return result

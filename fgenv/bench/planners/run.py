@@ -1,8 +1,8 @@
-"""The parts of ``fgenv bench planners`` in order, each yielded as it is done."""
+"""The parts of ``fgenv bench planners`` in order."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -11,11 +11,14 @@ from importlib.util import find_spec
 import numpy as np
 from ompl import util as ou
 
+from fgenv.bench.common.records import Record
+
 from . import arm_run
 from .goals import goals
-from .rigid_run import Record, race_task, race_trap
+from .methods import FCL, PEERS
+from .rigid_run import race_task, race_trap
+from .search import Progress
 from .task import Task
-from .ways import FCL, PEERS
 
 PROBLEMS = ("cubicles", "twist", "home", "cubicles:2")
 TRAPS = ("bug_trap", "rings")
@@ -24,17 +27,17 @@ SOME_MBM = 3  # problems of a family
 
 @dataclass(frozen=True)
 class PlannerBenchConfig:
-    """What to run.
+    """Options of the benchmark.
 
     Attributes:
-        problems: names, as `Task.of` takes them.
-        seeds: of the searches.
-        limit: CPU seconds of a search.
-        resolution: meters, of discrete checks; None: 1 % of the room's diagonal.
-        peers: of `PEERS`; python-fcl, which judges, is among them.
-        traps: whether the traps are tried.
-        mbm: MotionBenchMaker's problems of each family; None: a few where pinocchio is installed.
-        arm_limit: CPU seconds of a search of theirs.
+        problems: names for `Task.of`.
+        seeds: seeds of the searches.
+        limit: CPU seconds per search.
+        resolution: meters per step of discrete checks; None: 1 % of the room's diagonal.
+        peers: names from `PEERS`, python-fcl among them, which checks all paths.
+        traps: whether to run the traps.
+        mbm: MotionBenchMaker's problems per family; None: a few if pinocchio is installed.
+        arm_limit: CPU seconds per search of these.
     """
 
     problems: tuple[str, ...] = PROBLEMS
@@ -47,18 +50,18 @@ class PlannerBenchConfig:
     arm_limit: float = arm_run.LIMIT
 
     def check(self) -> None:
-        """Raise errors of the options before anything runs.
+        """Check the options.
 
         Raises:
             ImportError: a library is not installed.
-            ValueError: a peer or number that there is not.
+            ValueError: an unknown peer, or a limit that is not positive.
         """
         for name in self.peers:
             if name not in PEERS:
                 raise ValueError(f"peers: got {name!r}, expected some of {', '.join(PEERS)}")
             import_module(PEERS[name])
         if FCL not in self.peers:
-            raise ValueError(f"peers: expected {FCL} among them, it is the judge")
+            raise ValueError(f"peers: got {', '.join(self.peers)}, expected {FCL} among them")
         if self.mbm and not find_spec("pinocchio"):
             raise ImportError("pinocchio is not installed; remedy: pip install pin")
         if not self.limit > 0:
@@ -66,7 +69,7 @@ class PlannerBenchConfig:
 
     @property
     def arms(self) -> list[int]:
-        """Numbers of MotionBenchMaker's problems, spread over the hundred of a family."""
+        """Numbers of MotionBenchMaker's problems, spread over the 100 of a family."""
         count = self.mbm
         if count is None:
             count = SOME_MBM if find_spec("pinocchio") else 0
@@ -74,7 +77,7 @@ class PlannerBenchConfig:
 
 
 def bench_planners(
-    config: PlannerBenchConfig, report_progress: Callable[[str], None] = lambda doing: None
+    config: PlannerBenchConfig, report_progress: Progress = lambda message: None
 ) -> Iterator[tuple[str, Record]]:
     """Yield (kind, record): `problems`, `traps`, `mbm` by family, `goals` at last.
 
@@ -91,31 +94,25 @@ def bench_planners(
 
 
 def _parts(
-    config: PlannerBenchConfig, tasks: Sequence[Task], report_progress: Callable[[str], None]
+    config: PlannerBenchConfig, tasks: Sequence[Task], report_progress: Progress
 ) -> Iterator[tuple[str, Record]]:
-    def named(name: str) -> Callable[[str], None]:
-        return lambda doing: report_progress(f"{name}: {doing}")
+    def prefixed(name: str) -> Progress:
+        return lambda message: report_progress(f"{name}: {message}")
 
     for task in tasks:
-        yield (
-            "problems",
-            race_task(task, config.peers, config.seeds, config.limit, named(task.name)),
-        )
+        progress = prefixed(task.name)
+        yield "problems", race_task(task, config.peers, config.seeds, config.limit, progress)
     for name in TRAPS if config.traps else ():
         task = Task.of(name, config.resolution)
-        yield "traps", race_trap(task, config.seeds, config.limit, named(name))
+        yield "traps", race_trap(task, config.seeds, config.limit, prefixed(name))
     for family in arm_run.FAMILIES if config.arms else ():
-        yield (
-            "mbm",
-            arm_run.race_family(
-                family, config.arms, config.seeds[0], config.arm_limit, named("mbm")
-            ),
-        )
+        seed, limit = config.seeds[0], config.arm_limit
+        yield "mbm", arm_run.race_family(family, config.arms, seed, limit, prefixed("mbm"))
 
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """OMPL says nothing meanwhile."""
+    """Turn off the messages of OMPL."""
     level = ou.getLogLevel()
     ou.setLogLevel(ou.LOG_NONE)
     try:

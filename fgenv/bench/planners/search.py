@@ -1,4 +1,4 @@
-"""One search by one way, its path shortened and looked at by an independent judge."""
+"""One search by one method; its path is shortened and checked independently."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from time import process_time
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from ompl import base as ob
@@ -17,22 +17,24 @@ from ompl import util as ou
 
 from fgenv.arrays import Floats
 
-from .rigid import Bind, asked
-from .ways import Search, Way
+from .methods import Method, Search
+from .rigid import Bind, verdicts
+from .task import DiscreteTask
 
-WALL = 20.0  # times the limit by the wall's clock, where others load the machine
+WALL = 20.0  # wall-clock limit over the CPU limit, for a loaded machine
 ROUNDS = 4  # of shortening
-FINER = 100  # times, the judge's steps
+FINER = 100  # factor of the resolution in the check of paths
+Progress = Callable[[str], None]  # receives messages
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a search came to.
+class SearchResult:
+    """Result of a search.
 
     Attributes:
-        seconds: of CPU of the process until the first solution, or the end of time.
-        states, motions: asked for. A motion certified counts no states.
-        path: the shortened solution's states (m, size), or None.
+        seconds: CPU seconds of the process until the first solution, or the time limit.
+        states, motions: numbers of checks. A certified motion counts no states.
+        path: states (m, size) of the shortened solution, or None.
     """
 
     seconds: float
@@ -41,14 +43,19 @@ class Found:
     path: Floats | None
 
 
-def seeded(way: Way, seed: int) -> Search:
-    """A new search with seeded random numbers; OMPL ignores a seed of 0."""
+def seeded(method: Method, seed: int) -> Search:
+    """Return a new search with seeded random numbers; OMPL ignores a seed of 0."""
     ou.RNG.setSeed(seed + 1)
-    return way()
+    return method()
 
 
-def run(search: Search, limit: float, shorten: bool = True) -> Found:
-    """Solve within `limit` CPU seconds of the process; OMPL's set-up is not timed, the rest is."""
+def warm_up(method: Method, seed: int, limit: float) -> None:
+    """Run a first search, which pays for caches and lazy set-up."""
+    run(seeded(method, seed), limit, shorten=False)
+
+
+def run(search: Search, limit: float, shorten: bool = True) -> SearchResult:
+    """Solve within `limit` CPU seconds of the process; OMPL's set-up is not timed."""
     search.simple.setup()
     before = search.validity.checks, search.motions
     with within(limit) as condition:
@@ -57,28 +64,27 @@ def run(search: Search, limit: float, shorten: bool = True) -> Found:
         seconds = process_time() - began
     states, motions = search.validity.checks - before[0], search.motions - before[1]
     solved = search.simple.haveExactSolutionPath()
-    return Found(seconds, states, motions, shortened(search) if solved and shorten else None)
+    return SearchResult(seconds, states, motions, shortened(search) if solved and shorten else None)
 
 
 @contextmanager
 def within(seconds: float) -> Iterator[Any]:
-    """A termination condition that says so after CPU seconds of the process.
+    """Provide a termination condition that holds after CPU seconds of the process.
 
-    A signal ends it: a clock that is polled would be part of the measurement, and a timer of
-    CPU time makes that clock coarse. The signal is heard where Python code runs, and in fgenv's
-    checks now and then. In the main thread only.
+    A signal sets it: polling a clock would be part of the measurement, and a timer of CPU time
+    makes that clock coarse. Python code and fgenv's checks handle the signal. Main thread only.
     """
     condition = ob.timedPlannerTerminationCondition(WALL * seconds)
     began = process_time()
 
-    def look(*_: object) -> None:
+    def check_time(*_: object) -> None:
         left = began + seconds - process_time()
         if left > 0:
             signal.setitimer(signal.ITIMER_REAL, max(left, 1e-3))
         else:
             condition.terminate()
 
-    before = signal.signal(signal.SIGALRM, look)
+    before = signal.signal(signal.SIGALRM, check_time)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield condition
@@ -88,7 +94,7 @@ def within(seconds: float) -> Iterator[Any]:
 
 
 def shortened(search: Search) -> Floats:
-    """The solution by OMPL's simplifier: counted steps, the same for all ways."""
+    """Return the solution, shortened by OMPL with the same steps for all methods."""
     path, simplifier = search.simple.getSolutionPath(), og.PathSimplifier(search.si)
     for _ in range(ROUNDS):
         simplifier.ropeShortcutPath(path)
@@ -99,42 +105,21 @@ def shortened(search: Search) -> Floats:
 
 
 def states_of(search: Search, path: Any) -> Floats:
-    """A path's states, (m, size)."""
+    """Return a path's states, (m, size)."""
     count = path.getStateCount()
     return np.array([search.buffer.read(path.getState(k)) for k in range(count)])
 
 
-Judge = Callable[[Floats], bool]  # whether a path (m, size) has a state that collides
-
-
-class Moves(Protocol):
-    """Data of a task for the independent judge."""
-
-    @property
-    def resolution(self) -> float:
-        """Resolution of discrete checks, see `steps`."""
-
-    @property
-    def samples(self) -> Floats:
-        """Some states, (k, size)."""
-
-    def steps(self, q0: Floats, q1: Floats, step: float) -> int:
-        """Steps of a motion between states (size,) that are no longer."""
-
-    def between(self, q0: Floats, q1: Floats, t: Floats) -> Floats:
-        """States (k, size) at fractions t (k,) of a motion."""
-
-
-def judge_of(task: Moves, bind: Bind) -> Judge:
-    """A library's look at a path, FINER times closer than the resolution."""
+def path_check(task: DiscreteTask, bind: Bind) -> Callable[[Floats], bool]:
+    """Return an independent check of paths (m, size), FINER times finer than the resolution."""
     row = np.empty(task.samples.shape[1])
     collides = bind(row)
 
-    def judge(path: Floats) -> bool:
+    def path_collides(path: Floats) -> bool:
         for q0, q1 in pairwise(path):
             n = task.steps(q0, q1, task.resolution / FINER)
-            if any(asked(collides, row, task.between(q0, q1, np.arange(n + 1) / n))):
+            if any(verdicts(collides, row, task.between(q0, q1, np.arange(n + 1) / n))):
                 return True
         return False
 
-    return judge
+    return path_collides
