@@ -243,7 +243,7 @@ class PlanPolicy(BasePolicy):
             ends = q[:, i, : robot.nq], references[:, i, : robot.nq]
             if simulator.actions == "way_points":
                 own, tracked = robot.required_drive.tracking_waypoint(
-                    robot, *ends, view.dt, simulator.way_point_seconds
+                    robot, *ends, view.dt, simulator.settings.way_point_seconds
                 )
                 reverse[:, i] = ~tracked
             else:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fgenv.agents.policies.base import BasePolicy
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Policy, View, policy_of
@@ -33,15 +31,7 @@ class SafetyFilter(BasePolicy):
 
     def act(self, observations: Floats32) -> Floats:
         """Return actions (worlds, robots, size)."""
-        actions = np.array(self.policy.act(observations), dtype=np.float64)
-        rest = self.view.toward(self.view.configurations)
-        stopped = np.zeros(actions.shape[:2], dtype=bool)
-        for _ in range(self.view.n_robots):
-            collides = self.view.meet(actions) & ~stopped
-            if not collides.any():
-                break
-            actions[collides], stopped = rest[collides], stopped | collides
-        return actions
+        return self.view.safe_actions(self.policy.act(observations))
 
 
 def safe(argument: str, seed: int) -> SafetyFilter:

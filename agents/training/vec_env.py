@@ -28,7 +28,7 @@ except ModuleNotFoundError as error:
 from fgenv.arrays import Floats32
 from fgenv.envs import Simulator
 from fgenv.envs.rendering import Frame, Screen
-from fgenv.envs.simulator import Source, Step
+from fgenv.envs.simulator import Source, StepResult
 from fgenv.envs.spaces import action_box, observation_box
 
 
@@ -197,7 +197,7 @@ class FleetVecEnv(VecEnv):
         return rows.reshape(self.num_envs, -1)
 
     def _set_final_infos(
-        self, worlds: NDArray[np.int64], step: Step, infos: list[dict[str, Any]]
+        self, worlds: NDArray[np.int64], step: StepResult, infos: list[dict[str, Any]]
     ) -> None:
         n = self.simulator.n_robots
         last, truncated = step.observations[worlds], step.truncated[worlds].tolist()

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .rewards import TERMS as TERMS
     from .rewards import Reward as Reward
     from .simulator import Simulator as Simulator
-    from .simulator import Step as Step
+    from .simulator import StepResult as StepResult
     from .simulator_view import View as View
     from .single import FleetEnv as FleetEnv
     from .state_readers import Collision as Collision
@@ -44,7 +44,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "record_replay": ("replay",),
         "recorder": ("Recorder",),
         "rewards": ("TERMS", "Reward"),
-        "simulator": ("Simulator", "Step"),
+        "simulator": ("Simulator", "StepResult"),
         "simulator_view": ("View",),
         "single": ("FleetEnv",),
         "state_readers": ("Collision",),

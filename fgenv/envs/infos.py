@@ -36,4 +36,4 @@ def infos(simulator: Simulator, world: int = 0) -> list[Info]:
 
 def has_clearances(simulator: Simulator) -> bool:
     """Whether the simulator measures clearances."""
-    return simulator.clearance or bool(simulator.reward.weights.get("closeness"))
+    return simulator.settings.clearance or bool(simulator.reward.weights.get("closeness"))

@@ -1,4 +1,4 @@
-"""What a robot observes: parts that are on or off, each a slice of its row of numbers."""
+"""Observations of robots: parts that are on or off, each a slice of a row of numbers."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from typing import NamedTuple
 
 from fgenv.robots import Robot
 
-ABOUT = {
+DESCRIPTIONS = {  # unit, frame, description
     "goal": (
         "m, 1",
         "own base",
-        "where the goal is: x, y (m) and cosine, sine of the turn of a planar base; x, y, z (m) and"
+        "the goal: x, y (m) and cosine, sine of the turn of a planar base; x, y, z (m) and"
         " quaternion x, y, z, w of a free one; then the change of each joint (rad, m)",
     ),
-    "velocity": ("m/s, rad/s", "own base", "what the drive does: see Robot.actions"),
+    "velocity": ("m/s, rad/s", "own base", "velocity of the drive: see Robot.actions"),
     "configuration": ("m, rad", "world", "own configuration"),
     "path_hint": (
         "m",
         "own base",
-        "the point of the path that is `look_ahead` ahead: x, y (, z); of a fixed base, the change"
-        " of each joint to there (rad, m)",
+        "the point of the path that is `look_ahead` ahead: x, y (, z); for a fixed base, the change"
+        " of each joint to it (rad, m)",
     ),
     "neighbors": (
         "m, 1, m/s",
         "own base",
-        "the nearest robots, zeros where there are no more: planar x, y, cosine, sine, relative"
+        "the nearest robots, zeros if there are fewer: planar x, y, cosine, sine, relative"
         " velocity x, y, radius; else x, y, z, quaternion x, y, z, w, velocity x, y, z, radius",
     ),
     "lidar": ("m", "own base", "to the first surface on each ray, at most the lidar's range"),
@@ -48,26 +48,30 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Observation:
-    """Which parts a robot observes, in this order; `Simulator.layout` tells their slices.
+    """Parts that a robot observes, in this order; `Simulator.layouts` lists their slices.
 
     Attributes:
-        goal, velocity, configuration, path_hint, lidar: on or off. The lidar is that of the
-            scenario's model; a model without one has no such part.
-        neighbors: how many of the nearest robots.
-        neighbor_range: meters between circles that enclose robots, over which neighbors fade: all
-            numbers of one are times 1 where circles touch, 0 where they are so far apart, and
-            its position is a direction. None: as they are. A network tells near from far better so.
-        intent: tell of each neighbor where its goal is from there, meters in the robot's own frame
-            (2 numbers; of free bases 3): who it is that will cross its way.
-        priority: first the nearest of those that come before the robot in the scenario, then as
-            many of those that come after it: who is to go first where only one can.
-        pad: have places for so many even in a scenario of fewer robots (zeros), so that rows are as
-            long for any number of them.
-        path: that the hint follows: `straight` to the goal, or `shortest` among what stands, for
-            planar bases (see `fgenv.envs.global_planner`).
-        look_ahead: of the path hint, meters (of a fixed base: radians of all joints together).
-        rays: of a planar lidar for every robot, in place of the scenario's; None: that one.
-        lidar_range: meters, of those rays.
+        goal, velocity, configuration, path_hint, lidar: Whether the part is on. The lidar is that
+            of the scenario's model; a model without one has no such part.
+        neighbors: Number of nearest robots.
+        neighbor_range: Distance between enclosing circles over which neighbors fade, meters: all
+            numbers of a neighbor are multiplied by 1 in contact, falling to 0 at this distance, and
+            its position is a direction. Networks distinguish near from far better this way. None:
+            neighbors do not fade.
+        intent: Whether a neighbor includes the vector from it to its goal in the robot's own frame,
+            meters (2 numbers; 3 for free bases).
+        priority: Whether neighbors are two groups of `neighbors`: first the nearest robots that
+            precede this one in the scenario, then those that follow it.
+        pad: Whether rows have places (zeros) for all `neighbors` in a scenario of fewer robots, so
+            that rows have the same length for any number of robots.
+        path: Path of the hint: `straight` to the goal, or `shortest` among static bodies and parked
+            robots, for planar bases. Shortest paths are hints, not proofs: they are found on a grid
+            whose cells are checked at their centers. A parked robot counts as the discs that
+            enclose it. A robot that would block another robot's only route by parking waits: its
+            path ends where it stands until the other robot has parked.
+        look_ahead: Distance of the path hint, meters (fixed base: radians of all joints together).
+        rays: Number of rays of a planar lidar for every robot, in place of the scenario's lidar.
+        lidar_range: Range of those rays, meters.
     """
 
     goal: bool = True
@@ -106,18 +110,18 @@ class Observation:
                 )
 
     def neighbor_size(self, flat: bool) -> int:
-        """Numbers of one neighbor; flat: all bases are planar."""
+        """Return the size of one neighbor; flat: all bases are planar."""
         return (7 if flat else 11) + (2 if flat else 3) * self.intent
 
 
-def parts_of(slices: list[tuple[str, int, int]], robot: Robot) -> tuple[Part, ...]:
-    """The parts of a robot's row, as the native core lays them out."""
-    found = []
+def observation_parts(slices: list[tuple[str, int, int]], robot: Robot) -> tuple[Part, ...]:
+    """Return the parts of a robot's row, from the native (name, begin, size)."""
+    parts = []
     for name, begin, size in slices:
-        unit, frame, about = ABOUT[name]
+        unit, frame, about = DESCRIPTIONS[name]
         if name == "velocity":
             about = ", ".join(f"{action.name} ({action.unit})" for action in robot.actions)
         if name == "configuration":
             about = ", ".join(robot.coordinates)
-        found.append(Part(name, slice(begin, begin + size), unit, frame, about))
-    return tuple(found)
+        parts.append(Part(name, slice(begin, begin + size), unit, frame, about))
+    return tuple(parts)

@@ -24,7 +24,7 @@ from fgenv.arrays import Floats, Floats32
 from .infos import Info, infos
 from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
-from .simulator import Simulator, Source, Step
+from .simulator import Simulator, Source, StepResult
 from .spaces import action_box, observation_box, state_box, state_of
 
 Rows = dict[str, Floats32]
@@ -161,7 +161,7 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         indices, sizes = self._indices, self._sizes
         return {name: rows[indices[name], : sizes[indices[name]]] for name in agents}
 
-    def _step(self, actions: Mapping[str, ArrayLike]) -> Step:
+    def _step(self, actions: Mapping[str, ArrayLike]) -> StepResult:
         self._check_names(actions)
         every = np.zeros((1, len(self._indices), self.simulator.action_size))
         try:

@@ -14,7 +14,7 @@ from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 from .record import ARRAYS, INITIAL, Record
 
 if TYPE_CHECKING:
-    from .simulator import Simulator, Step
+    from .simulator import Simulator, StepResult
 
 RECORDED = (*INITIAL, "hits", "hit_robots", "hit_times", "hit_points", "clearances")
 
@@ -57,7 +57,7 @@ class Recorder:
         self._scenario = with_hashes(scenario_of_episode(simulator, world))
         self._about = metadata(simulator, world, self.policy)
 
-    def add(self, actions: ArrayLike, step: Step) -> None:
+    def add(self, actions: ArrayLike, step: StepResult) -> None:
         """Add the simulator's last step, made with these actions.
 
         Raises:
@@ -97,9 +97,9 @@ class Recorder:
 
 def scenario_of_episode(simulator: Simulator, world: int = 0) -> Scenario:
     """Return the scenario with the starts, goals and bodies of a world's episode."""
-    scenario, several = simulator.scenario, simulator.cases.several
-    if several is not None:
-        case = several[int(simulator.case_numbers[world])]
+    scenario, frozen_set = simulator.scenario, simulator.cases.frozen_set
+    if frozen_set is not None:
+        case = frozen_set[int(simulator.case_numbers[world])]
         scenario = case.at(scenario.folder)
     starts, goals = simulator.configurations[world], simulator.goals[world]
     robots = tuple(
@@ -118,7 +118,7 @@ def metadata(simulator: Simulator, world: int, policy: str) -> dict[str, Any]:
         "seed": int(simulator.seeds[world]),
         "episode": int(simulator.episodes[world]),
         "actions": simulator.actions,
-        "way_point_seconds": float(simulator.way_point_seconds),
+        "way_point_seconds": float(simulator.settings.way_point_seconds),
         "dt": simulator.dt,
         "names": {str(body): name for body, name in simulator.body_names.items()},
         "urdf": urdf_hashes(simulator.scenario),

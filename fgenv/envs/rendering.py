@@ -103,7 +103,7 @@ class Screen:
     def _frame(self, world: int) -> Frame:
         simulator = self.simulator
         here = (simulator.status[world] != GONE).tolist()
-        poses = simulator.standing_poses(world)
+        poses = simulator.static_poses(world)
         return self._painter.paint(
             simulator.configurations[world], simulator.goals[world], here, poses
         )
@@ -136,7 +136,7 @@ class Screen:
 def workspace_corners(simulator: Simulator) -> Floats | None:
     """Return corners of the workspace (n, 3), m; None if all episodes share starts and goals."""
     space = simulator.scenario.workspace
-    if space is None or (simulator.starts == "scenario" and len(simulator.cases) == 1):
+    if space is None or (simulator.settings.starts == "scenario" and len(simulator.cases) == 1):
         return None
     ends = [*zip(space.low, space.high, strict=True), (0.0, 0.0)][:3]
     return np.array(list(itertools.product(*ends)))

@@ -1,41 +1,39 @@
-"""Rewards: a sum of named terms, and of the user's own functions over the batch."""
+"""Rewards: weighted sums of named terms and of user-defined functions of the simulator."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .simulator import Simulator
+from fgenv.arrays import Floats
 
 TERMS = {
-    "progress": "meters (of a fixed base: radians of all joints) nearer to the goal in this step",
+    "progress": "decrease of the distance to the goal in this step, meters (fixed base: radians)",
     "arrival": "1 in the step in which the robot arrives",
-    "collision": "1 where it met something in this step",
-    "obstacle": "1 more where what it met is no robot",
-    "time": "1 in each step on the way",
-    "effort": "mean square of its action, 0 to 1",
+    "collision": "1 in a step with a collision",
+    "obstacle": "1 in a step with a collision with a body that is no robot",
+    "time": "1 in each step before arrival",
+    "effort": "mean square of the action, 0 to 1",
     "closeness": "1 in contact, falling to 0 at `near` meters of clearance",
 }
 DEFAULT = {"progress": 1.0, "arrival": 10.0, "collision": -1.0, "time": -0.01}
-Term = Callable[["Simulator"], Any]
+Term = Callable[[Any], Any]  # of the Simulator; returns (worlds, robots)
 
 
 @dataclass(frozen=True)
 class Reward:
-    """Weights of the named terms, and own terms.
+    """Weights of named terms, and user-defined terms.
 
     Attributes:
-        weights: by name of `TERMS`; what is left out is 0.
-        own: functions of the simulator after the step, before a world begins anew, that return
-            (worlds, robots), and what to multiply each with. Robots that had arrived before the
-            step get nothing.
-        near: meters, of `closeness`.
+        weights: Weights by name of `TERMS`; missing ones are 0.
+        own: Pairs of a function and its weight. The function takes the simulator after the step,
+            before a world begins anew, and returns (worlds, robots). Robots that had arrived before
+            the step get 0.
+        near: Range of `closeness`, meters.
     """
 
     weights: Mapping[str, float] = field(default_factory=lambda: MappingProxyType(DEFAULT))
@@ -45,7 +43,7 @@ class Reward:
     def __post_init__(self) -> None:
         for name, weight in self.weights.items():
             if name not in TERMS:
-                raise ValueError(f"reward: {name!r} is no term, expected one of {', '.join(TERMS)}")
+                raise ValueError(f"reward: got {name!r}, expected one of {', '.join(TERMS)}")
             if not np.isfinite(weight):
                 raise ValueError(f"reward: {name}: got {weight!r}, expected a finite weight")
         for term, weight in self.own:
@@ -57,11 +55,11 @@ class Reward:
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (dict(self.weights), self.own, self.near)
 
-    def of_own_terms(self, simulator: Simulator) -> NDArray[np.float64]:
-        """The own terms' sum, (worlds, robots).
+    def sum_of_own_terms(self, simulator: Any) -> Floats:
+        """Return the weighted sum of the user-defined terms, (worlds, robots).
 
         Raises:
-            ValueError: one returns another shape, or a number that is not finite.
+            ValueError: a term returns another shape, or a number that is not finite.
         """
         shape = (simulator.n_worlds, simulator.n_robots)
         total = np.zeros(shape)
@@ -69,8 +67,8 @@ class Reward:
             name = getattr(term, "__name__", repr(term))
             value = np.asarray(term(simulator), dtype=np.float64)
             if value.shape != shape:
-                raise ValueError(f"reward: {name} gave shape {value.shape}, expected {shape}")
+                raise ValueError(f"reward: {name}: got shape {value.shape}, expected {shape}")
             if not np.isfinite(value).all():
-                raise ValueError(f"reward: {name} gave a number that is not finite")
+                raise ValueError(f"reward: {name}: got a number that is not finite")
             total += weight * value
         return total

@@ -1,32 +1,25 @@
-"""What a policy sees of a simulator beside its observations: it looks, and changes nothing."""
+"""Read access to a simulator for policies, beside observations."""
 
 from __future__ import annotations
-
-import copy
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fgenv.arrays import Flags, Floats
 from fgenv.collision import World
 from fgenv.robots import Robot
 
 from .native_config import directions, lidar_of
 from .observations import Part
-from .rewards import Reward
 from .simulator import Simulator
 from .state_readers import GONE, MOVING
 from .waypoints import way_points_toward
 
-if TYPE_CHECKING:
-    from fgenv.arrays import Flags, Floats
-
 
 class View:
-    """A simulator, read-only. Arrays are copies; rows are as wide as the widest and end in zeros.
+    """A read-only simulator. Arrays are copies; rows are as wide as the widest and end in zeros.
 
-    It follows the simulator: what it says is of now, not of when it was made.
+    Values are those of the simulator's current state.
     """
 
     def __init__(self, simulator: Simulator) -> None:
@@ -34,77 +27,77 @@ class View:
 
     @property
     def n_worlds(self) -> int:
-        """How many are stepped at once."""
+        """Number of worlds."""
         return self._simulator.n_worlds
 
     @property
     def n_robots(self) -> int:
-        """In each world."""
+        """Number of robots per world."""
         return self._simulator.n_robots
 
     @property
     def robots(self) -> tuple[Robot, ...]:
-        """With drive, limits and shapes; immutable."""
+        """The robots, with drives, limits and shapes; immutable."""
         return self._simulator.robots
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the robots."""
+        """Names of the robots."""
         return self._simulator.names
 
     @property
     def dt(self) -> float:
-        """Seconds of a step."""
+        """Seconds per step."""
         return self._simulator.dt
 
     @property
     def horizon(self) -> int:
-        """Steps of an episode at most."""
+        """Maximum number of steps of an episode."""
         return self._simulator.horizon
 
     @property
     def steps(self) -> NDArray[np.int64]:
-        """Of the episode so far, (worlds,)."""
+        """Steps of the episode so far, (worlds,)."""
         return self._simulator.steps
 
     @property
     def configurations(self) -> Floats:
-        """(worlds, robots, nq)."""
+        """Configurations, (worlds, robots, nq)."""
         return self._simulator.configurations
 
     @property
     def goals(self) -> Floats:
-        """(worlds, robots, nq)."""
+        """Goal configurations, (worlds, robots, nq)."""
         return self._simulator.goals
 
     @property
     def velocities(self) -> Floats:
-        """What the drives do, in their units, (worlds, robots, numbers); see `Robot.actions`."""
+        """Velocities of the drives, (worlds, robots, numbers); units: see `Robot.actions`."""
         return self._simulator.velocities
 
     @property
     def remaining(self) -> Floats:
-        """To the goals, (worlds, robots): meters; of a fixed base radians of all joints."""
+        """Distances to the goals, (worlds, robots): meters; for a fixed base, radians."""
         return self._simulator.remaining
 
     @property
     def moving(self) -> Flags:
-        """Who is still on the way, (worlds, robots): not parked at its goal, and not gone."""
+        """Whether a robot still moves, (worlds, robots): it has neither parked nor vanished."""
         return np.asarray(self._simulator.status == MOVING)
 
     @property
     def present(self) -> Flags:
-        """Who is there, (worlds, robots): on the way or parked, not gone."""
+        """Whether a robot is there, (worlds, robots): it has not vanished at its goal."""
         return np.asarray(self._simulator.status != GONE)
 
     @property
     def actions(self) -> str:
-        """What actions are: `drive` or `way_points`."""
+        """Kind of actions: `drive` or `way_points`."""
         return self._simulator.actions
 
     @property
     def action_size(self) -> int:
-        """Numbers of the longest action."""
+        """Size of the longest action."""
         return self._simulator.action_size
 
     @property
@@ -113,7 +106,7 @@ class View:
         return self._simulator.layouts
 
     def rays(self, robot: int) -> tuple[Floats, Floats, float]:
-        """A robot's lidar, base's frame: its place (3,), unit vectors (rays, 3), and range (m)."""
+        """Return position (3,), unit vectors (rays, 3) and range (m) of a lidar, base frame."""
         spec, built = self._simulator.scenario.robots[robot], self._simulator.built
         lidar = lidar_of(built.scenario.models[spec.model].lidar, self._simulator.observation)
         if lidar is None:
@@ -121,9 +114,12 @@ class View:
         return np.array(lidar.position), directions(lidar), lidar.range
 
     def toward(self, targets: ArrayLike) -> Floats:
-        """Actions that lead straight to configurations (worlds, robots, nq); looks at no obstacle.
+        """Return actions that lead straight to configurations (worlds, robots, nq).
 
-        (worlds, robots, action_size), whichever kind of actions the simulator takes.
+        Obstacles are ignored.
+
+        Returns:
+            Actions (worlds, robots, action_size) of the kind that the simulator takes.
 
         Raises:
             ValueError: wrong shape, or a number that is not finite.
@@ -132,26 +128,25 @@ class View:
             return way_points_toward(self._simulator, targets)
         return self._simulator.toward(targets)
 
-    def meet(self, actions: ArrayLike) -> Flags:
-        """Who would run into something in a step with these actions, (worlds, robots).
-
-        Nothing moves: the step is made in a copy.
+    def would_collide(self, actions: ArrayLike) -> Flags:
+        """Return which robots would collide in a step with these actions, (worlds, robots).
 
         Raises:
             ValueError: wrong shape, or a number that is not finite.
         """
-        self._ahead.set_state(self._simulator.state())
-        self._ahead.step(actions)
-        return np.asarray(self._ahead.hits >= 0)
+        return self._simulator.would_collide(actions)
 
-    @cached_property
-    def _ahead(self) -> Simulator:
-        """A copy to look ahead in."""
-        made = copy.copy(self._simulator)
-        made.autoreset, made.reward = False, Reward({})
-        made._guide = None  # nobody looks at what it observes
-        return made
+    def safe_actions(self, actions: ArrayLike) -> Floats:
+        """Stop the robots that would collide in a step with these actions; see `Simulator`.
+
+        Returns:
+            Actions (worlds, robots, action_size).
+
+        Raises:
+            ValueError: wrong shape, or a number that is not finite.
+        """
+        return self._simulator.safe_actions(actions, self.toward(self.configurations))
 
     def world(self, k: int = 0) -> World:
-        """A copy of a world with everything where it is now."""
+        """Return a copy of a world: a `World` with all bodies at their current poses."""
         return self._simulator.world(k)

@@ -21,7 +21,7 @@ from fgenv.arrays import Flags, Floats, Floats32
 from .infos import Info, has_clearances
 from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
-from .simulator import Simulator, Source, seeds_of
+from .simulator import Simulator, Source, world_seeds
 from .single_agent import LearningRobot
 from .spaces import action_box, observation_box
 from .state_readers import MOVING
@@ -81,7 +81,7 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         Args:
             options: `reset_mask`, (worlds,) bool: the worlds that begin.
         """
-        seeds = None if seed is None else seeds_of(seed, self.num_envs).tolist()
+        seeds = None if seed is None else world_seeds(seed, self.num_envs).tolist()
         super().reset(seed=seeds and seeds[0])
         worlds = (options or {}).get("reset_mask")
         if worlds is not None:

@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-if TYPE_CHECKING:
-    from fgenv.arrays import Floats
+from fgenv.arrays import Floats
 
-    from .simulator import Simulator
+from .state_readers import SimulatorState
 
 
-def way_points_toward(simulator: Simulator, targets: ArrayLike) -> Floats:
-    """Waypoints straight toward targets (worlds, robots, nq), at most as far as speeds reach.
+def way_points_toward(simulator: SimulatorState, targets: ArrayLike) -> Floats:
+    """Return waypoints straight toward targets (worlds, robots, nq), within reach of the speeds.
 
     Raises:
         ValueError: wrong shape, or a number that is not finite.
     """
-    expected, q = np.asarray(targets, dtype=np.float64), simulator.configurations
-    if expected.shape != q.shape:
-        raise ValueError(f"targets: got shape {expected.shape}, expected {q.shape}")
-    if not np.isfinite(expected).all():
+    ends, q = np.asarray(targets, dtype=np.float64), simulator.configurations
+    if ends.shape != q.shape:
+        raise ValueError(f"targets: got shape {ends.shape}, expected {q.shape}")
+    if not np.isfinite(ends).all():
         raise ValueError("targets: expected finite numbers")
+    seconds = simulator.settings.way_point_seconds
     actions = np.zeros((simulator.n_worlds, simulator.n_robots, simulator.action_size))
     for i, robot in enumerate(simulator.robots):
-        ends = q[:, i, : robot.nq], expected[:, i, : robot.nq]
-        drive = robot.required_drive
-        waypoints = drive.waypoint_toward(robot, *ends, simulator.way_point_seconds)
+        nq, drive = robot.nq, robot.required_drive
+        waypoints = drive.waypoint_toward(robot, q[:, i, :nq], ends[:, i, :nq], seconds)
         actions[:, i, : waypoints.shape[1]] = waypoints
     return actions

@@ -171,23 +171,35 @@ fgenv._core.sin_cos$:
     def sin_cos(angles: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         \doc
 
-fgenv._core.Agent.__init__$:
+fgenv._core.RobotSpec.__init__$:
     def __init__(self, world: World, id: int, drive: Drive, *, starts: ArrayLike, goals: ArrayLike, tolerance: tuple[float, float], radius: float, range: float, position: ArrayLike, directions: ArrayLike) -> None: ...
 
+fgenv._core.Footprint.__init__$:
+    def __init__(self, *, disc_centers: ArrayLike, disc_radius: float, extra: float, width: float, turns: bool, workspace: ArrayLike, model: int) -> None: ...
+
 fgenv._core.Simulator.__init__$:
-    def __init__(self, world: World, agents: Sequence[Agent], settings: dict[str, Any], *, worlds: int, bodies: Sequence[int], poses: Any) -> None: ...
+    def __init__(self, world: World, robots: Sequence[RobotSpec], *, settings: dict[str, Any], worlds: int, bodies: Sequence[int], poses: ArrayLike | None, footprints: Sequence[Footprint]) -> None: ...
 
 fgenv._core.Simulator.slices$:
     def slices(self, robot: int) -> list[tuple[str, int, int]]: ...
 
 fgenv._core.Simulator.reset$:
-    def reset(self, worlds: ArrayLike | None, seeds: ArrayLike | None, threads: int | None) -> None: ...
+    def reset(self, worlds: ArrayLike | None, seeds: ArrayLike | None, threads: int | None) -> NDArray[float32]: ...
 
 fgenv._core.Simulator.observe$:
-    def observe(self, worlds: ArrayLike | None, threads: int | None) -> NDArray[float32]: ...
+    def observe(self, threads: int | None) -> NDArray[float32]: ...
 
 fgenv._core.Simulator.step$:
     def step(self, actions: ArrayLike, threads: int | None) -> tuple[NDArray[float32], NDArray[float64], NDArray[bool_], NDArray[bool_], NDArray[bool_]]: ...
+
+fgenv._core.Simulator.would_collide$:
+    def would_collide(self, actions: ArrayLike, threads: int | None) -> NDArray[bool_]: ...
+
+fgenv._core.Simulator.safe_actions$:
+    def safe_actions(self, actions: ArrayLike, rest: ArrayLike, threads: int | None) -> NDArray[float64]: ...
+
+fgenv._core.Simulator.path$:
+    def path(self, world: int, robot: int) -> NDArray[float64]: ...
 
 fgenv._core.Simulator.place$:
     def place(self, world: int, robot: int, *, start: ArrayLike, goal: ArrayLike) -> None: ...
@@ -198,7 +210,7 @@ fgenv._core.Simulator.set_path$:
 fgenv._core.Simulator.toward$:
     def toward(self, targets: ArrayLike) -> NDArray[float64]: ...
 
-fgenv._core.Simulator.(configurations|goals|velocities|hit_points|hit_times|remaining|clearances|least_clearances|traveled|rewards)$:
+fgenv._core.Simulator.(configurations|goals|velocities|hit_points|hit_times|remaining|clearances|least_clearances|traveled)$:
     def \1(self) -> NDArray[float64]: ...
 
 fgenv._core.Simulator.(hits|hit_robots|masked)$:
@@ -250,6 +262,6 @@ fgenv._core.orca$:
     def orca(discs: ArrayLike, preferred: ArrayLike, speeds: ArrayLike, *, points: ArrayLike, horizon: float, point_horizon: float, dt: float, range: float, threads: int | None) -> NDArray[float64]:
         \doc
 
-fgenv._core.cheapest_way$:
-    def cheapest_way(prices: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
+fgenv._core.cheapest_path$:
+    def cheapest_path(costs: ArrayLike, start: ArrayLike, goal: ArrayLike) -> NDArray[int64]:
         \doc

@@ -96,17 +96,17 @@ def test_a_row_does_not_depend_on_the_others() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ([], "layers: none, expected one at least"),
+        ([], "layers: got none, expected at least one"),
         ([(np.ones(3), np.ones(3), "tanh")], r"layers\[0\]: weights of shape \(3,\)"),
         ([(np.ones((2, 3)), np.ones(2), "tanh")], r"offsets of shape \(2,\), expected \(3,\)"),
         (
             [(np.ones((2, 3)), np.ones(3), "gelu")],
-            "activation: 'gelu', expected tanh, relu or none",
+            "activation: got 'gelu', expected tanh, relu or none",
         ),
         ([(np.full((1, 1), np.nan), np.ones(1), "none")], "expected a finite number"),
         (
             [(np.ones((2, 3)), np.ones(3), "tanh"), (np.ones((2, 1)), np.ones(1), "none")],
-            r"layers\[1\]: takes 2 numbers, the layer before gives 3",
+            r"layers\[1\]: got 2 inputs, expected the 3 outputs",
         ),
     ],
 )

@@ -252,7 +252,7 @@ def test_invalid_arguments_raise() -> None:
     with pytest.raises(ValueError, match=r"discs: shape \(3,\), expected \(worlds, discs, 6\)"):
         _core.orca(np.zeros(3), [], [], points=[], **SETTINGS)
     points = np.zeros((1, 1, 0, 2))
-    with pytest.raises(ValueError, match="horizon: 0"):
+    with pytest.raises(ValueError, match="horizon: got 0"):
         _core.orca(
             np.zeros((1, 1, 6)),
             np.zeros((1, 1, 2)),

@@ -45,7 +45,7 @@ def test_the_view_predicts_the_collisions_of_a_step() -> None:
     view, rng, seen = View(simulator), np.random.default_rng(0), 0
     for _ in range(80):
         actions, before = simulator.sample(rng), simulator.state()
-        foreseen = view.meet(actions)
+        foreseen = view.would_collide(actions)
         assert simulator.state() == before
         simulator.step(actions)
         assert (foreseen == (simulator.hits >= 0)).all()

@@ -258,12 +258,12 @@ def test_fewer_robots_are_padded(folder: Path) -> None:
     policy = NetworkPolicy.load(folder / "policy.npz")
     seen = []
     for pad in (True, False):
-        simulator = Simulator("swap", n=2, observation=replace(policy.observation, pad=pad))
+        seeing = replace(policy.observation, pad=pad)
+        simulator = Simulator("swap", n=2, observation=seeing, autoreset=False)
         seen.append(run_episode_actions(simulator, policy))
     np.testing.assert_array_equal(seen[0], seen[1])
 
 
 def run_episode_actions(simulator: Simulator, policy: Any) -> Any:
     """Return the actions of a policy in ten steps."""
-    simulator.autoreset = False
     return run_episode(simulator, policy, steps=10)["actions"]

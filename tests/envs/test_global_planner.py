@@ -1,4 +1,4 @@
-"""Shortest ways over grids, and the path hint that follows them."""
+"""Cheapest paths over grids, and path hints that follow them."""
 
 import copy
 import itertools
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from oracles.global_planner import Planner
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 from support.robots import random_tree
@@ -21,28 +22,28 @@ from fgenv.scenarios import Scenario
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
 
 
-def graph(prices):
-    """The steps of a grid, as scipy has graphs."""
-    layers, rows, columns = prices.shape
-    number = np.arange(prices.size).reshape(prices.shape)
-    tails, heads, costs = [], [], []
+def graph(costs):
+    """Return the steps of a grid as a sparse graph."""
+    layers, rows, columns = costs.shape
+    number = np.arange(costs.size).reshape(costs.shape)
+    tails, heads, weights = [], [], []
 
     def step(here, there, length):
         tails.append(number[here])
         heads.append(number[there])
-        costs.append(prices[there] * length)
+        weights.append(costs[there] * length)
 
-    for k, r, c in np.argwhere(np.isfinite(prices)).tolist():
+    for k, r, c in np.argwhere(costs).tolist():
         for heading in range(8) if layers == 1 else [k]:
             dr, dc = (round(math.sqrt(2) * f(heading * math.pi / 4)) for f in (math.cos, math.sin))
             beside = [(r + dr, c + dc), (r + dr, c), (r, c + dc)]
             inside = all(0 <= i < rows and 0 <= j < columns for i, j in beside)
-            if inside and all(math.isfinite(prices[k, i, j]) for i, j in beside):
+            if inside and all(costs[k, i, j] for i, j in beside):
                 step((k, r, c), (k, r + dr, c + dc), math.hypot(dr, dc))
         for turn in (-1, 1) if layers > 1 else ():
-            if math.isfinite(prices[(k + turn) % 8, r, c]):
+            if costs[(k + turn) % 8, r, c]:
                 step((k, r, c), ((k + turn) % 8, r, c), 1.0)
-    return csr_matrix((costs, (tails, heads)), (prices.size, prices.size))
+    return csr_matrix((weights, (tails, heads)), (costs.size, costs.size))
 
 
 @given(
@@ -52,53 +53,106 @@ def graph(prices):
     st.integers(1, 12),
     st.floats(0, 0.6),
 )
-def test_a_way_costs_what_dijkstra_says(seed, layers, rows, columns, walls):
+def test_paths_are_as_cheap_as_dijkstra_s(seed, layers, rows, columns, walls):
     rng = np.random.default_rng(seed)
     shape = layers, rows, columns
-    prices = rng.choice([1.0, 2.0, 3.5], shape)
-    prices[rng.random(shape) < walls] = math.inf
+    costs = rng.choice([1, 2, 3], shape)
+    costs[rng.random(shape) < walls] = 0
     start, goal = rng.integers(0, shape), rng.integers(0, shape)
-    prices[tuple(start)] = prices[tuple(goal)] = 1.0
-    way = _core.cheapest_way(prices, start, goal)
-    steps, number = graph(prices), np.arange(prices.size).reshape(shape)
+    costs[tuple(start)] = costs[tuple(goal)] = 1
+    path = _core.cheapest_path(costs, start, goal)
+    steps, number = graph(costs), np.arange(costs.size).reshape(shape)
     best = dijkstra(steps, indices=number[tuple(start)])[number[tuple(goal)]]
-    if not len(way):
+    if not len(path):
         assert math.isinf(best)
         return
-    assert (way[0] == start).all()
-    assert (way[-1] == goal).all()
-    each = [steps[a, b] for a, b in itertools.pairwise(number[tuple(way.T)])]
-    assert all(cost > 0 for cost in each)  # only steps that there are
+    assert (path[0] == start).all()
+    assert (path[-1] == goal).all()
+    each = [steps[a, b] for a, b in itertools.pairwise(number[tuple(path.T)])]
+    assert all(cost > 0 for cost in each)  # only steps of the grid
     assert math.fsum(each) == pytest.approx(best, rel=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("prices", "start", "told"),
+    ("costs", "start", "message"),
     [
-        ([[1.0, 2.0]], (0, 0, 0), "prices: shape"),
-        ([[[1.0]]] * 2, (0, 0, 0), r"prices: shape \(2, 1, 1\), expected \(1 or 8"),
-        ([[[0.5]]], (0, 0, 0), r"prices\[0, 0, 0\] is 0.5, expected 1 or more"),
-        ([[[math.nan]]], (0, 0, 0), "expected 1 or more"),
-        ([[[1.0]]], (0, 0, 1), r"start\[2\] is 1, outside"),
-        ([[[1.0]]], (0, -1, 0), r"start\[1\] is -1, outside"),
-        ([[[1.0]]], (0, 0), "start: shape"),
+        ([[1, 2]], (0, 0, 0), "costs: shape"),
+        ([[[1]]] * 2, (0, 0, 0), r"costs: shape \(2, 1, 1\), expected \(1 or 8"),
+        ([[[256]]], (0, 0, 0), r"costs\[0, 0, 0\]: got 256, expected 0 \(closed\) to 255"),
+        ([[[-1]]], (0, 0, 0), "got -1, expected 0"),
+        ([[[0.5]]], (0, 0, 0), "costs: dtype float64, expected int64"),
+        ([[[1]]], (0, 0, 1), r"start\[2\]: got 1, expected 0 to 0"),
+        ([[[1]]], (0, -1, 0), r"start\[1\]: got -1, expected 0 to 0"),
+        ([[[1]]], (0, 0), "start: shape"),
     ],
 )
-def test_what_is_no_grid_is_told(prices, start, told):
-    with pytest.raises(ValueError, match=told):
-        _core.cheapest_way(prices, start, (0, 0, 0))
+def test_invalid_grids_are_errors(costs, start, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        _core.cheapest_path(costs, start, (0, 0, 0))
+
+
+def check_new_paths(simulator):
+    """Compare new paths with the oracle's; returns the number of parked robots."""
+    parked = (simulator.arrival_steps == simulator.steps[:, None]).any(axis=1)
+    worlds = np.flatnonzero(parked | (simulator.steps == 0)).tolist()
+    for world in worlds:
+        for i, path in Planner(simulator, world).paths().items():
+            np.testing.assert_array_equal(simulator.path(world, i), path)
+    return int((simulator.status[worlds] == PARKED).sum())
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "arrivals"),
+    [
+        ("random", {"cases": 3, "n": 6, "drive": "holonomic"}, 3),
+        ("random", {"n": 5, "starts": "random"}, 2),
+        ("doorway", {"cases": 3, "n": 5}, 0),
+        ("intersection", {"cases": 3, "n": 4}, 0),
+        ("warehouse", {"n": 6}, 1),
+    ],
+)
+def test_paths_equal_the_oracle_s_while_robots_park(name, options, arrivals):
+    simulator = Simulator(name, 2, observation=HINT, max_steps=150, **options)
+    rng = np.random.default_rng(0)
+    simulator.reset(seed=3)
+    goal = simulator.goals[0, 0]
+    behind = goal - [0.3 * math.cos(goal[2]), 0.3 * math.sin(goal[2]), 0.0]
+    simulator.place(0, 0, behind, goal)  # the first to park
+    rows, parked = simulator.observe(), check_new_paths(simulator)
+    for _ in range(160):
+        rows = simulator.step(follow_hints(simulator, rows, rng)).observations
+        parked = max(parked, check_new_paths(simulator))
+    assert parked > arrivals
+
+
+def follow_hints(simulator, rows, rng):
+    """Return actions toward the path hints, with noise."""
+    hint = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
+    targets, ahead = simulator.configurations, rows[..., hint].astype(float)
+    cosine, sine = np.cos(targets[..., 2]), np.sin(targets[..., 2])
+    x = cosine * ahead[..., 0] - sine * ahead[..., 1]
+    y = sine * ahead[..., 0] + cosine * ahead[..., 1]
+    targets[..., :3] += np.stack([x, y, np.arctan2(y, x) - targets[..., 2]], axis=-1)
+    close = simulator.remaining < 0.4
+    targets[close] = simulator.goals[close]
+    return simulator.toward(targets) + 0.2 * simulator.sample(rng)
+
+
+def paths_of(simulator, world):
+    """Return the paths of all robots of a world; after a reset all move."""
+    return {i: simulator.path(world, i) for i in range(simulator.n_robots)}
 
 
 @pytest.mark.parametrize("name", ["random", "doorway"])
 def test_paths_lead_to_the_goal_and_through_no_wall(name):
     simulator = Simulator(name, 3, cases=3, case_order="seed", n=4, observation=HINT)
     simulator.reset(seed=0)
-    waiting = 0  # for others whose only way they would shut
+    waiting = 0  # robots that would block another one's only path
     for world in range(3):
         alone = simulator.built.world(robots=False)
-        alone.set_pose(list(simulator.built.names), simulator.standing_poses(world))
+        alone.set_pose(list(simulator.built.names), simulator.static_poses(world))
         me = simulator.built.add_robot(alone, 0, simulator.configurations[world, 0])
-        for i, path in simulator._guide.paths(world).items():
+        for i, path in paths_of(simulator, world).items():
             assert (path[0] == simulator.configurations[world, i]).all()
             if (path[-1] == path[0]).all():
                 waiting += 1
@@ -112,7 +166,7 @@ def test_paths_lead_to_the_goal_and_through_no_wall(name):
     assert waiting <= 6  # of 12
 
 
-def test_the_hint_of_a_doorway_is_the_door_and_not_the_wall():
+def test_the_hint_leads_through_the_door():
     simulator = Simulator("doorway", n=2, drive="holonomic", observation=HINT)
     simulator.reset(seed=0)
     q = np.zeros(3)
@@ -126,13 +180,13 @@ def test_the_hint_of_a_doorway_is_the_door_and_not_the_wall():
     assert math.hypot(x, y) == pytest.approx(0.5, abs=0.1)
 
 
-def test_who_is_long_looks_along_its_path():
-    # A car of 2.5 m turns on the spot in the middle of a road of 4 m alone.
+def test_a_long_robot_looks_along_its_path():
+    # A car of 2.5 m can turn on the spot only in the middle of a road of 4 m.
     simulator = Simulator("intersection", 5, cases=5, case_order="seed", n=4, observation=HINT)
     simulator.reset(seed=0)
     alone = simulator.built.world(robots=False)
     me = simulator.built.add_robot(alone, 0, simulator.configurations[0, 0])
-    for path in itertools.chain(*(simulator._guide.paths(w).values() for w in range(5))):
+    for path in itertools.chain(*(paths_of(simulator, w).values() for w in range(5))):
         ahead = np.diff(path[:, :2], axis=0)
         path[:-1, 2] = np.arctan2(ahead[:, 1], ahead[:, 0])
         for a, b in itertools.pairwise(path):
@@ -140,7 +194,7 @@ def test_who_is_long_looks_along_its_path():
             assert np.mean(alone.collides(me, q)) < 0.1
 
 
-def test_paths_lead_around_who_has_parked():
+def test_paths_lead_around_parked_robots():
     scenario = Scenario.load("random", n=2, fill=0.0, drive="holonomic")
     simulator = Simulator(scenario, observation=HINT, autoreset=False)
     simulator.reset()
@@ -152,15 +206,15 @@ def test_paths_lead_around_who_has_parked():
         action = simulator.toward(simulator.goals)
         action[0, 0] = 0.0
         rows = simulator.step(action).observations
-    assert abs(rows[0, 0, hint][1]) > 0.01  # it was on a straight line before
+    assert abs(rows[0, 0, hint][1]) > 0.01  # it was 0 on the straight line before
     assert (rows == simulator.observe()).all()
-    path, other = simulator._guide.paths(0)[0], simulator.configurations[0, 1]
+    path, other = simulator.path(0, 0), simulator.configurations[0, 1]
     dense = np.concatenate([np.linspace(a, b, 50) for a, b in itertools.pairwise(path)])
     apart = 2.0 * math.hypot(0.306, 0.35)  # two balls that hold a disc 0.35 m high
-    assert np.hypot(*(dense - other)[:, :2].T).min() > apart - 0.1  # but for corners
+    assert np.hypot(*(dense - other)[:, :2].T).min() > apart - 0.1  # except at corners
 
 
-def test_who_would_shut_the_door_waits_until_the_other_is_through():
+def test_a_robot_that_would_block_the_door_waits_for_the_other():
     policy = policy_of("orca:shortest")
     scenario = Scenario.load("doorway", n=2, drive="holonomic")
     simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
@@ -183,20 +237,23 @@ WEST, EAST = [-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]  # of the door
 
 
 @pytest.mark.parametrize(
-    ("ways", "waiting"),
+    ("ends", "waiting"),
     [
-        ([(WEST, [0.4, 0.0, 0.0]), (EAST, [-0.4, 0.0, 0.0])], {0}),  # each would shut the other's
-        ([(WEST, [2.2, 1.0, 0.0]), ([2.2, 1.2, 0.0], [-2.0, 1.0, 0.0])], {0}),  # that stands there
-        ([(WEST, EAST), (EAST, WEST)], set()),  # who waits would stand where the other is to park
+        ([(WEST, [0.4, 0.0, 0.0]), (EAST, [-0.4, 0.0, 0.0])], {0}),  # each would block the other
+        (
+            [(WEST, [2.2, 1.0, 0.0]), ([2.2, 1.2, 0.0], [-2.0, 1.0, 0.0])],
+            {0},
+        ),  # taken by robot 1
+        ([(WEST, EAST), (EAST, WEST)], set()),  # each stands on the other's goal
         ([(WEST, [1.0, 1.0, 0.0]), (EAST, [-1.0, 1.0, 0.0])], set()),
     ],
 )
-def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
+def test_a_robot_waits_if_parking_would_block_the_other(ends, waiting):
     simulator = Simulator(Scenario.load("doorway", n=2, drive="holonomic"), observation=HINT)
     simulator.reset()
-    for i, (start, goal) in enumerate(ways):
+    for i, (start, goal) in enumerate(ends):
         simulator.place(0, i, start, goal)
-    paths = simulator._guide.paths(0)
+    paths = paths_of(simulator, 0)
     assert {i for i, path in paths.items() if (path[0] == path[-1]).all()} == waiting
 
 
@@ -210,7 +267,7 @@ def test_one_of_two_waits_where_both_could_not_park(ways, waiting):
         ("warehouse", {}, True),
     ],
 )
-def test_discs_hold_the_robot(name, given, row):
+def test_discs_enclose_the_robot(name, given, row):
     robot = Scenario.load(name, n=2, **given).build().robots[0]
     centers, radius = enclosing_discs(robot)
     assert (len(centers) > 1) == row
@@ -219,7 +276,7 @@ def test_discs_hold_the_robot(name, given, row):
     assert far.min(axis=1).max() <= radius + 1e-9
 
 
-def test_one_disc_holds_all_links_of_an_arm_on_wheels(monkeypatch):
+def test_one_disc_encloses_all_links_of_an_arm_on_wheels(monkeypatch):
     base = np.array([[-2.0, -0.5], [2.0, -0.5], [2.0, 0.5], [-2.0, 0.5]])
     monkeypatch.setattr("fgenv.robots.footprint.footprint", lambda robot: base)
     rng = np.random.default_rng(0)
@@ -232,13 +289,13 @@ def test_one_disc_holds_all_links_of_an_arm_on_wheels(monkeypatch):
         assert radius == robot.reach[robot.root]
 
 
-def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():
+def test_a_parked_robot_closes_the_cells_where_discs_overlap():
     simulator = Simulator("intersection", n=2, drive="holonomic", observation=HINT)
     simulator.reset()
-    guide, at = simulator._guide, np.array([1.0, -0.5, 0.4])
-    grid = guide._grid(0, 0, 0)
-    _, closed = guide._takes(0, grid, 1, at, room=True)
-    centers, radius = guide._discs[0]
+    planner, at = Planner(simulator, 0), np.array([1.0, -0.5, 0.4])
+    grid = planner.empty_grid(0)
+    _, closed = planner.taken(0, grid, 1, at)
+    centers, radius = planner.discs[0]
     assert len(centers) > 1
     for layer, a, b in np.ndindex(closed.shape):
         q = [grid.axis(0)[a], grid.axis(1)[b], layer * math.pi / 4]
@@ -250,7 +307,7 @@ def test_a_parked_robot_takes_the_cells_where_discs_of_both_meet():
 
 
 @pytest.mark.parametrize("n", [2, 3])
-def test_those_who_change_places_do_not_wait_for_each_other(n):
+def test_robots_that_swap_places_do_not_wait_for_each_other(n):
     scenario = Scenario.load("random", n=n, fill=0.0, drive="holonomic")
     policy = policy_of("orca:shortest")
     simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
@@ -267,18 +324,18 @@ def test_those_who_change_places_do_not_wait_for_each_other(n):
     assert (simulator.status == PARKED).all()
 
 
-def test_who_vanishes_at_its_goal_shuts_no_way():
+def test_a_robot_that_vanishes_at_its_goal_blocks_no_path():
     scenario = Scenario.load("doorway", n=2).model_copy(update={"at_goal": "vanish"})
     simulator = Simulator(scenario, observation=HINT)
     simulator.reset()
     simulator.place(0, 0, [-2.0, 0.0, 0.0], [2.0, 1.0, 0.0])
     simulator.place(0, 1, [2.0, -1.0, 0.0], [-0.4, 0.0, 0.0])
-    path = simulator._guide.paths(0)[1]
+    path = simulator.path(0, 1)
     assert (path[0] != path[-1]).any()
 
 
-def test_who_has_parked_on_the_other_lane_shuts_no_road():
-    """Discs that enclose cars of 2.5 m shut every road in which one had parked."""
+def test_a_robot_parked_on_the_other_lane_blocks_no_road():
+    """A single enclosing disc of a parked car of 2.5 m would block the road."""
     seen = Observation(path_hint=True, path="shortest", look_ahead=1.5)
     scenario = Scenario.load("intersection", n=2, drive="holonomic", jitter=0.0)
     simulator = Simulator(scenario, observation=seen, autoreset=False)
@@ -289,11 +346,11 @@ def test_who_has_parked_on_the_other_lane_shuts_no_road():
         action = simulator.toward(simulator.goals)
         action[0, 0] = 0.0
         simulator.step(action)
-    path = simulator._guide.paths(0)[0]
+    path = simulator.path(0, 0)
     assert np.abs(path[:, 1] - 1.0).max() < 0.5
 
 
-def test_a_guided_episode_goes_on_alike_in_copies_and_states():
+def test_copies_with_shortest_paths_continue_identically():
     simulator = Simulator("random", 2, cases=3, n=4, observation=HINT)
     simulator.reset(seed=1)
     rng = np.random.default_rng(0)
@@ -304,17 +361,17 @@ def test_a_guided_episode_goes_on_alike_in_copies_and_states():
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "told"),
+    ("name", "options", "message"),
     [
-        ("forest", {}, "no planar base"),
+        ("forest", {}, "expected a robot with a planar base"),
         ("swap", {"actions": "way_points"}, "each way point is a path of its own"),
     ],
 )
-def test_who_cannot_be_guided_is_told(name, options, told):
-    with pytest.raises(ValueError, match=told):
+def test_shortest_paths_need_planar_bases_and_drive_actions(name, options, message):
+    with pytest.raises(ValueError, match=message):
         Simulator(name, observation=HINT, **options)
 
 
-def test_a_path_that_is_no_kind_is_told():
-    with pytest.raises(ValueError, match="path: 'curved', expected straight or shortest"):
+def test_an_unknown_path_is_an_error():
+    with pytest.raises(ValueError, match="path: got 'curved', expected straight or shortest"):
         Observation(path="curved")

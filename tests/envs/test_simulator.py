@@ -1,5 +1,5 @@
-"""The batched simulator: what drives, sensors, goals, contacts and rewards are to be, by laws and
-by independent computation."""
+"""The batched simulator: drives, sensors, goals, contacts and rewards, by laws and by independent
+computation."""
 
 import copy
 import dataclasses
@@ -50,25 +50,25 @@ def still(simulator):
     return np.zeros((simulator.n_worlds, simulator.n_robots, simulator.action_size))
 
 
-def step_until(simulator, action, happened):
-    """The step in which it happens."""
+def step_until(simulator, action, condition):
+    """Return the step after which a condition holds."""
     for _ in range(200):
         step = simulator.step(action)
-        if happened():
+        if condition():
             return step
-    raise AssertionError("it never happens")
+    raise AssertionError("the condition never holds")
 
 
-def go_until_there(simulator):
-    """The step in which the first robot arrives."""
+def step_until_arrival(simulator):
+    """Return the step in which the first robot arrives."""
     for _ in range(200):
         step = simulator.step(simulator.toward(simulator.goals))
         if simulator.status[0, 0] != MOVING:
             return step
-    raise AssertionError("it never arrives")
+    raise AssertionError("the robot never arrives")
 
 
-def test_a_holonomic_robot_goes_as_it_is_told():
+def test_a_holonomic_robot_moves_by_its_action():
     simulator = Simulator(arena(1), observation=QUIET)
     simulator.reset()
     action = still(simulator)
@@ -80,7 +80,7 @@ def test_a_holonomic_robot_goes_as_it_is_told():
 
 
 @pytest.mark.parametrize("kind", ["differential", "car"])
-def test_wheels_draw_arcs(kind):
+def test_wheels_drive_arcs(kind):
     more = {"wheelbase": 0.5, "min_turning_radius": 1.0} if kind == "car" else {"turn_rate": 1.0}
     simulator = Simulator(arena(1, drive={"kind": kind, "speed": 1.0, **more}), observation=QUIET)
     simulator.reset()
@@ -120,7 +120,7 @@ def test_accelerations_are_limited():
     np.testing.assert_allclose(speeds, np.minimum(0.05 * np.arange(1, 31), 1.0))
 
 
-def test_the_workspace_is_not_left():
+def test_robots_stay_in_the_workspace():
     simulator = Simulator(arena(1, horizon=1e4), observation=QUIET)
     simulator.reset()
     action = still(simulator)
@@ -140,7 +140,7 @@ CROWDS = {
 
 
 def crowded(n=64):
-    """Carts packed so that none can go far."""
+    """Carts packed so tightly that none can drive far."""
     scenario = arena(n, gap=1.0)
     robots = [
         r.model_copy(update={"start": (0.95 * (i % 8), 0.75 * (i // 8), 0.0)})
@@ -150,7 +150,7 @@ def crowded(n=64):
 
 
 @pytest.mark.parametrize("crowd", [*CROWDS, "packed"])
-def test_nobody_overlaps_after_any_step(crowd):
+def test_no_robots_overlap_after_any_step(crowd):
     simulator = Simulator(crowded(), observation=QUIET) if crowd == "packed" else CROWDS[crowd]()
     simulator.reset(seed=3)
     rng = np.random.default_rng(0)
@@ -166,7 +166,7 @@ def test_nobody_overlaps_after_any_step(crowd):
 
 @given(seed=st.integers(0, 2**32), body=st.sampled_from(["disc", "long", "l"]))
 @settings(max_examples=15, deadline=None)
-def test_nobody_overlaps_whatever_they_do(seed, body):
+def test_no_robots_overlap_with_random_actions(seed, body):
     simulator = Simulator("swap", n=12, body=body, size=8.0, observation=QUIET)
     simulator.reset(seed=seed)
     rng = np.random.default_rng(seed)
@@ -178,32 +178,32 @@ def test_nobody_overlaps_whatever_they_do(seed, body):
         assert len(simulator.world().contact_pairs()) == 0
 
 
-def test_a_collision_says_whom_when_and_where():
+def test_a_collision_reports_body_time_and_point():
     scenario = arena(1, bodies=[{"position": (0.0, 0.0, 0.0)}])
     simulator = Simulator(scenario, observation=QUIET)
     simulator.reset()
     action = still(simulator)
     action[0, 0, 0] = 1.0
     step_until(simulator, action, simulator.collisions)
-    (met,) = simulator.collisions()
-    assert (met.robot, met.other, met.with_robot) == ("r0", "wall 0", False)
+    (collision,) = simulator.collisions()
+    assert (collision.robot, collision.other, collision.with_robot) == ("r0", "wall 0", False)
     world = simulator.world()
     cart, wall = world.record("r0"), world.record("wall 0")
     gap = distance(cart.shape, cart.pose, wall.shape, wall.pose)
-    assert 0 < gap <= simulator.tolerance
+    assert 0 < gap <= simulator.settings.tolerance
     front = cart.shape.vertices[:, 0].max()
-    assert abs(met.point[0] + 0.1) < 2e-4  # the wall's side
+    assert abs(collision.point[0] + 0.1) < 2e-4  # the wall's side
     traveled = -0.1 - front - -4.0
-    assert abs((simulator.steps[0] - 1) * 0.1 + met.time - traveled) < 2e-4
+    assert abs((simulator.steps[0] - 1) * 0.1 + collision.time - traveled) < 2e-4
     assert simulator.collision_counts.tolist() == [[1]]
     assert simulator.velocities[0, 0].tolist() == [0, 0, 0]
-    simulator.step(action)  # it presses on, and is stopped at once
+    simulator.step(action)  # it drives on, and stops at once
     (again,) = simulator.collisions()
     assert again.time < 1e-3
     assert simulator.collision_counts.tolist() == [[2]]
 
 
-def test_two_that_meet_both_stop_and_name_each_other():
+def test_both_robots_of_a_collision_stop_and_name_each_other():
     scenario = arena(2, gap=1.2)
     simulator = Simulator(scenario, observation=QUIET)
     simulator.reset()
@@ -238,12 +238,12 @@ def test_responses(response):
 
 
 @pytest.mark.parametrize("at_goal", ["park", "vanish"])
-def test_who_arrives_stays_as_an_obstacle_or_is_gone(at_goal):
+def test_robots_park_or_vanish_at_the_goal(at_goal):
     simulator = Simulator(arena(2, at_goal=at_goal), observation=QUIET, autoreset=False)
     simulator.reset()
     simulator.place(0, 0, [-4.0, 0.0, 0.0], [-2.0, 0.0, 0.0])
     simulator.place(0, 1, [-6.0, 0.0, 0.0], [4.0, 0.0, 0.0])
-    step = go_until_there(simulator)
+    step = step_until_arrival(simulator)
     assert not step.terminated[0]
     assert simulator.status[0, 0] == (PARKED if at_goal == "park" else GONE)
     assert simulator.arrival_steps[0, 0] == simulator.steps[0]
@@ -258,7 +258,7 @@ def test_who_arrives_stays_as_an_obstacle_or_is_gone(at_goal):
     assert (simulator.collision_counts[0, 1] > 0) == (at_goal == "park")
 
 
-def test_the_horizon_truncates_and_worlds_begin_anew():
+def test_the_horizon_truncates_and_worlds_reset():
     simulator = Simulator(arena(2, horizon=1.0), 3, observation=QUIET)
     first = simulator.reset(seed=5)
     for _ in range(9):
@@ -266,7 +266,7 @@ def test_the_horizon_truncates_and_worlds_begin_anew():
     step = simulator.step(simulator.sample())
     assert step.truncated.all()
     assert not step.terminated.any()
-    np.testing.assert_array_equal(step.observations, first)  # of the next episode
+    np.testing.assert_array_equal(step.observations, first)  # those of the next episode
     assert (simulator.final_observations != first).any()
     np.testing.assert_array_equal(simulator.episodes, [1, 1, 1])
     np.testing.assert_array_equal(simulator.seeds, [5, 6, 7])
@@ -291,8 +291,8 @@ def test_lidar_measures_exact_meshes():
         position = simulator.scenario.models["cart"].lidar.position
         at = np.array([x + c * position[0] - s * position[1], y, position[2]])
         at[1] += s * position[0] + c * position[1]
-        ways = np.stack([np.cos(angles + yaw), np.sin(angles + yaw), 0 * angles], axis=-1)
-        expected = world.raycast(at, ways, max_distance=4.0, ignore=[name]).distance
+        rays = np.stack([np.cos(angles + yaw), np.sin(angles + yaw), 0 * angles], axis=-1)
+        expected = world.raycast(at, rays, max_distance=4.0, ignore=[name]).distance
         np.testing.assert_allclose(rows[0, i], np.minimum(expected, 4.0), atol=1e-5)
 
 
@@ -340,13 +340,13 @@ def test_neighbors_fade_with_the_distance_between_circles(name):
     radii = [np.linalg.norm(r.parts[0].shape.vertices, axis=1).max() for r in whole.robots]
     for action in actions:
         rows = [simulator.step(action).observations[0] for simulator in (whole, faded)]
-        told = [row.reshape(5, 4, -1).astype(float) for row in rows]
-        far = np.linalg.norm(told[0][..., :axes], axis=-1)
-        share = np.maximum(0.0, 1.0 - (far - told[0][..., -1] - np.array(radii)[:, None]) / 2.0)
+        plain, fading = (row.reshape(5, 4, -1).astype(float) for row in rows)
+        far = np.linalg.norm(plain[..., :axes], axis=-1)
+        share = np.maximum(0.0, 1.0 - (far - plain[..., -1] - np.array(radii)[:, None]) / 2.0)
         shares.append(share)
-        expected = told[0].copy()
+        expected = plain.copy()
         expected[..., :axes] /= far[..., None]
-        np.testing.assert_allclose(told[1], expected * share[..., None], atol=1e-5)
+        np.testing.assert_allclose(fading, expected * share[..., None], atol=1e-5)
     assert (np.array(shares) == 0).any()
     assert (np.array(shares) > 0).any()
 
@@ -379,7 +379,7 @@ def test_with_priorities_those_who_go_first_come_first_and_stay_within_the_space
 
 
 @pytest.mark.parametrize(("name", "axes"), [("swap", 2), ("forest", 3)])
-def test_neighbors_tell_where_they_are_headed_and_stay_within_the_space(name, axes):
+def test_neighbors_include_their_goals_and_rows_are_in_the_space(name, axes):
     rng = np.random.default_rng(0)
     seen = Observation(lidar=False, goal=False, velocity=False, neighbors=3, intent=True)
     simulator = Simulator(Scenario.load(name, n=4), 2, observation=seen)
@@ -393,9 +393,9 @@ def test_neighbors_tell_where_they_are_headed_and_stay_within_the_space(name, ax
             robot = simulator.robots[i]
             base = robot.forward(simulator.configurations[w, i, : robot.nq], 0)
             near = np.argsort(np.linalg.norm(at[w] - at[w, i], axis=-1), kind="stable")[1:]
-            told = rows[w, i].reshape(3, -1)[:, -axes:]
+            to_goals = rows[w, i].reshape(3, -1)[:, -axes:]
             np.testing.assert_allclose(
-                told, (goals[w, near] - at[w, near]) @ base[:axes, :axes], atol=1e-5
+                to_goals, (goals[w, near] - at[w, near]) @ base[:axes, :axes], atol=1e-5
             )
 
 
@@ -450,13 +450,13 @@ def test_rewards_are_sums_of_terms():
     expected = 2.0 * (before - simulator.remaining) - 0.5
     expected[0, 0] -= (1.0 + 0.25) / 3
     np.testing.assert_allclose(step.rewards, expected)
-    step = go_until_there(simulator)
+    step = step_until_arrival(simulator)
     assert step.rewards[0, 0] > 6.0
     assert simulator.step(simulator.toward(simulator.goals)).rewards[0, 0] == 0.0
 
 
 @pytest.mark.parametrize(("goal", "reward"), [((-2.0, 5.0), -5.0), ((-4.0, 0.75), -1.0)])
-def test_what_is_no_robot_may_cost_more(goal, reward):
+def test_bodies_that_are_no_robots_may_cost_more(goal, reward):
     scenario = arena(2, bodies=[{"position": (-2.0, 5.0, 0.0)}])  # the wall's y: 3 to 7 m
     weights = Reward({"collision": -1.0, "obstacle": -4.0})
     simulator = Simulator(scenario, observation=QUIET, reward=weights, autoreset=False)
@@ -469,7 +469,7 @@ def test_what_is_no_robot_may_cost_more(goal, reward):
     assert step.rewards.tolist() == [[reward, 0.0]]
 
 
-def test_own_terms_see_the_batch_before_worlds_begin_anew():
+def test_own_terms_see_the_batch_before_worlds_reset():
     seen = []
 
     def crowding(simulator):
@@ -486,7 +486,7 @@ def test_own_terms_see_the_batch_before_worlds_begin_anew():
     bad = Reward({}, own=((lambda s: np.zeros(3), 1.0),))
     simulator = Simulator(arena(2), observation=QUIET, reward=bad)
     simulator.reset()
-    with pytest.raises(ValueError, match=r"<lambda> gave shape \(3,\), expected \(1, 2\)"):
+    with pytest.raises(ValueError, match=r"<lambda>: got shape \(3,\), expected \(1, 2\)"):
         simulator.step(still(simulator))
 
 
@@ -502,15 +502,15 @@ def test_closeness_and_clearance():
     np.testing.assert_allclose(step.rewards, -(1 - expected / 10.0))
 
 
-# Way points
+# Waypoints
 
 
-def test_way_points_set_masks_and_are_driven_to():
+def test_robots_drive_to_waypoints_which_set_masks():
     scenario = arena(2, bodies=[{"position": (0.0, 0.0, 0.0)}])
     simulator = Simulator(scenario, observation=QUIET, actions="way_points", way_point_seconds=2.0)
     simulator.reset()
     action = still(simulator)
-    action[0, 0] = 0.5, 0.0, 0.0  # a meter ahead
+    action[0, 0] = 0.5, 0.0, 0.0  # one meter ahead
     simulator.step(action)
     np.testing.assert_allclose(simulator.configurations[0, 0], [-3.9, -0.75, 0.0], atol=1e-12)
     assert simulator.action_sizes == (3, 3)
@@ -518,7 +518,7 @@ def test_way_points_set_masks_and_are_driven_to():
 
 
 @pytest.mark.parametrize("name", ["swap", "intersection", "forest", "cell"])
-def test_way_points_fit_every_drive(name):
+def test_waypoints_work_with_every_drive(name):
     simulator = Simulator(name, 2, actions="way_points", observation=Observation(path_hint=True))
     simulator.reset(seed=0)
     rng = np.random.default_rng(0)
@@ -532,7 +532,7 @@ def test_way_points_fit_every_drive(name):
 # Episodes
 
 
-def test_random_starts_are_free_and_by_seed_and_episode():
+def test_random_starts_are_free_and_depend_on_seed_and_episode():
     simulator = Simulator("random", 4, starts="random", observation=QUIET)
     simulator.reset(seed=10)
     first = simulator.configurations.copy()
@@ -567,7 +567,7 @@ def test_a_frozen_set_gives_the_episodes():
     assert len(seen) > 2
 
 
-def test_copies_go_on_identically():
+def test_copies_continue_identically():
     simulator = Simulator("warehouse", 2, n=8, starts="random", cases=None)
     simulator.reset(seed=4)
     rng = np.random.default_rng(0)
@@ -588,7 +588,7 @@ def test_copies_go_on_identically():
 
 @given(st.binary(max_size=60), st.integers(0, 10_000))
 @settings(max_examples=60, deadline=None)
-def test_a_damaged_state_is_told(junk, at):
+def test_a_damaged_state_is_an_error(junk, at):
     simulator = Simulator(arena(2), observation=QUIET)
     simulator.reset()
     state = simulator.state()
@@ -599,36 +599,36 @@ def test_a_damaged_state_is_told(junk, at):
     simulator.step(still(simulator))
 
 
-# What is refused
+# Invalid arguments
 
 UNBOUNDED = arena(2).replace(workspace=None)
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: Simulator("swop"), "swop: is no built-in scenario"),
         (lambda: Simulator("swap", color=3), "color"),
-        (lambda: Simulator("swap", 0), "worlds: got 0, expected 1 to"),
-        (lambda: Simulator("swap", actions="jump"), "actions: .*'jump', expected drive or way"),
-        (lambda: Simulator("swap", starts="any"), "starts: 'any', expected scenario or random"),
-        (lambda: Simulator(3), "scenario: int, expected a name"),
-        (lambda: Simulator(arena(2), n=3), "overrides: n, expected with the name"),
-        (lambda: Simulator(arena(2).replace(robots=())), "'arena' has no robots"),
+        (lambda: Simulator("swap", 0), "worlds: got 0, expected an integer from 1 to"),
+        (lambda: Simulator("swap", actions="jump"), "actions: got 'jump', expected drive or way"),
+        (lambda: Simulator("swap", starts="any"), "starts: got 'any', expected scenario or random"),
+        (lambda: Simulator(3), "scenario: got int, expected a name"),
+        (lambda: Simulator(arena(2), n=3), "overrides: got n, expected with the name"),
+        (lambda: Simulator(arena(2).replace(robots=())), "got 'arena' without robots"),
         (lambda: Simulator(UNBOUNDED, starts="random"), "give the scenario a workspace"),
-        (lambda: Reward({"glory": 1.0}), "'glory' is no term, expected one of progress"),
-        (lambda: Reward({"time": np.nan}), "time: nan, expected a finite weight"),
+        (lambda: Reward({"glory": 1.0}), "got 'glory', expected one of progress"),
+        (lambda: Reward({"time": np.nan}), "time: got nan, expected a finite weight"),
         (lambda: Observation(neighbors=-1), "neighbors: got -1, expected 0 to 1000"),
         (lambda: Observation(neighbor_range=0.0), "neighbor_range: got 0.0, expected over 0"),
         (lambda: Observation(rays=0), "rays: got 0, expected 1 to 100000"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_told(make, told):
-    with pytest.raises((ValueError, TypeError), match=told):
+def test_invalid_arguments_are_errors(make, message):
+    with pytest.raises((ValueError, TypeError), match=message):
         make()
 
 
-def test_bad_actions_are_told_and_change_nothing():
+def test_invalid_actions_are_errors_and_change_nothing():
     simulator = Simulator(arena(2), 2, observation=QUIET)
     with pytest.raises(RuntimeError, match="before the first reset"):
         simulator.step(np.zeros((2, 2, 3)))

@@ -15,7 +15,7 @@ Q, TWO = [0.0, 0.0, 0.0], np.zeros((1, 2, 3))
 
 
 @pytest.mark.parametrize(
-    ("what", "use"),
+    ("method", "use"),
     [
         ("step", lambda s: s.step(np.zeros((1, 2, 2)))),
         ("observe", lambda s: s.observe()),
@@ -25,8 +25,8 @@ Q, TWO = [0.0, 0.0, 0.0], np.zeros((1, 2, 3))
         ("state", lambda s: s.state()),
     ],
 )
-def test_use_before_the_first_reset_raises(what: str, use: Callable[[Simulator], Any]) -> None:
-    with pytest.raises(RuntimeError, match=f"{what}: before the first reset, call reset"):
+def test_before_the_first_reset_is_an_error(method: str, use: Callable[[Simulator], Any]) -> None:
+    with pytest.raises(RuntimeError, match=f"{method}: before the first reset, call reset"):
         use(Simulator("swap", n=2))
 
 
@@ -82,7 +82,7 @@ def test_resetting_no_world_changes_nothing() -> None:
 
 def test_an_empty_observation_raises() -> None:
     blind = Observation(goal=False, velocity=False, lidar=False)
-    with pytest.raises(ValueError, match="observation: 'robot 1' observes nothing"):
+    with pytest.raises(ValueError, match="observation: got no part for 'robot 1'"):
         Simulator("swap", n=1, observation=blind)
     assert Simulator("swap", n=2, observation=blind).reset(seed=0).shape == (1, 2, 7)
 

@@ -1,4 +1,4 @@
-// Python class of a network: layers once; rows in, rows out.
+// Python class of a feed-forward network.
 #include "bind/bind.h"
 
 #include <nanobind/stl/tuple.h>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace nb::literals;
 
-constexpr int64_t most = 1 << 20;  // numbers side by side
+constexpr int64_t most = 1 << 20;  // width of a layer
 constexpr int64_t chunk = 16;      // rows
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
@@ -30,7 +30,7 @@ Activation activation_of(const std::string& name) {
     if (name == "tanh") return Activation::tanh;
     if (name == "relu") return Activation::relu;
     if (name == "none") return Activation::none;
-    fail("activation: '" + name + "', expected tanh, relu or none");
+    fail("activation: got '" + name + "', expected tanh, relu or none");
 }
 
 // Weights (inputs, outputs), offsets (outputs,), activation.
@@ -53,10 +53,10 @@ void make_network(Network* self, nb::sequence layers) {
         if (network.layers.size() < 2) continue;
         const int64_t before = network.layers[network.layers.size() - 2].outputs, inputs = network.layers.back().inputs;
         if (inputs != before)
-            fail(name + ": takes " + std::to_string(inputs) + " numbers, the layer before gives " +
-                 std::to_string(before));
+            fail(name + ": got " + std::to_string(inputs) + " inputs, expected the " + std::to_string(before) +
+                 " outputs of the layer before");
     }
-    if (network.layers.empty()) fail("layers: none, expected one at least");
+    if (network.layers.empty()) fail("layers: got none, expected at least one");
     new (self) Network(std::move(network));
 }
 

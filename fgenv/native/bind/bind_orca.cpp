@@ -20,54 +20,70 @@ Array<double> array_of(nb::handle value, const char* name, const Dims& expected)
         fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail(std::string(name) + index_text(a.dims, static_cast<int64_t>(i)) + " is not finite");
+            fail(std::string(name) + index_text(a.dims, static_cast<int64_t>(i)) + " is not finite, expected a number");
     return a;
 }
 
 double positive(double x, const char* name) {
-    if (!(x > 0) || std::isinf(x)) fail(std::string(name) + ": " + number(x) + ", expected over 0");
+    if (!(x > 0) || std::isinf(x)) fail(std::string(name) + ": got " + number(x) + ", expected a positive number");
     return x;
 }
 
-// One row: x, y, vx, vy, radius, and 1 where others have to avoid it alone; a radius below 0: it is not there.
+// A row: x, y, vx, vy, radius (negative: absent), and 1 if the disc rests.
 bool present(const double* row) { return row[4] >= 0; }
-Disc disc_of(const double* row) { return {row[0], row[1], row[2], row[3], row[4], row[5] != 0 ? 1.0 : 0.5}; }
+Disc disc_of(const double* row) { return {{row[0], row[1]}, {row[2], row[3]}, row[4], row[5] != 0 ? 1.0 : 0.5}; }
+
+struct OrcaArguments {
+    Array<double> discs, preferred, speeds, points;
+    double horizon, point_horizon;
+    OrcaSettings settings;
+};
+
+OrcaArguments arguments_of(nb::handle discs, nb::handle preferred, nb::handle speeds, nb::handle points, double horizon,
+                           double point_horizon, double dt, double range) {
+    const Dims dims = doubles(discs, "discs").dims;
+    if (dims.size() != 3 || dims[2] != 6) fail("discs: shape " + to_string(dims) + ", expected (worlds, discs, 6)");
+    const int64_t worlds = dims[0], n = dims[1];
+    Array<double> p = doubles(points, "points");
+    if (p.dims.size() != 4 || p.dims[0] != worlds || p.dims[1] != n || p.dims[3] != 2)
+        fail("points: shape " + to_string(p.dims) + ", expected (worlds, discs, points, 2), NaN for missing points");
+    return {array_of(discs, "discs", dims),
+            array_of(preferred, "preferred", {worlds, n, 2}),
+            array_of(speeds, "speeds", {worlds, n}),
+            std::move(p),
+            positive(horizon, "horizon"),
+            positive(point_horizon, "point_horizon"),
+            {positive(dt, "dt"), positive(range, "range")}};
+}
+
+// Points of its own, then the other discs of its world.
+std::vector<Neighbor> neighbors_of(const OrcaArguments& a, int64_t disc) {
+    const int64_t n = a.discs.dims[1], n_points = a.points.dims[2];
+    const double* const world = a.discs.data() + 6 * n * (disc / n);
+    std::vector<Neighbor> out;
+    for (int64_t j = 0; j < n_points; ++j) {
+        const double* at = a.points.data() + 2 * (n_points * disc + j);
+        if (!std::isnan(at[0])) out.push_back({{{at[0], at[1]}, {0, 0}, 0, 1.0}, a.point_horizon});
+    }
+    for (int64_t j = 0; j < n; ++j)
+        if (j != disc % n && present(world + 6 * j)) out.push_back({disc_of(world + 6 * j), a.horizon});
+    return out;
+}
 
 nb::object orca_all(nb::handle discs, nb::handle preferred, nb::handle speeds, nb::handle points, double horizon,
                     double point_horizon, double dt, double range, nb::handle threads) {
-    const Array<double> d = doubles(discs, "discs");
-    if (d.dims.size() != 3 || d.dims[2] != 6)
-        fail("discs: shape " + to_string(d.dims) + ", expected (worlds, discs, 6)");
-    const int64_t worlds = d.dims[0], n = d.dims[1];
-    array_of(discs, "discs", d.dims);
-    const Array<double> w = array_of(preferred, "preferred", {worlds, n, 2}),
-                        s = array_of(speeds, "speeds", {worlds, n});
-    const Array<double> p = doubles(points, "points");
-    if (p.dims.size() != 4 || p.dims[0] != worlds || p.dims[1] != n || p.dims[3] != 2)
-        fail("points: shape " + to_string(p.dims) + ", expected (worlds, discs, points, 2), NaN where there is none");
-    const int64_t n_points = p.dims[2];
-    const OrcaSettings settings{positive(horizon, "horizon"), positive(dt, "dt"), positive(range, "range")};
-    const double of_points = positive(point_horizon, "point_horizon");
-    const int n_threads = threads_of(threads);
+    const OrcaArguments a = arguments_of(discs, preferred, speeds, points, horizon, point_horizon, dt, range);
+    const int64_t worlds = a.discs.dims[0], n = a.discs.dims[1];
     Output<double> out = make_output<double>({worlds, n, 2});
     parallel_for(
-        worlds * n, n_threads,
+        worlds * n, threads_of(threads),
         [&](int64_t first, int64_t last) {
-            std::vector<Neighbor> others;
             for (int64_t k = first; k < last; ++k) {
-                const double* const row = d.data() + 6 * k;
-                const double* const world = d.data() + 6 * n * (k / n);
-                others.clear();
-                for (int64_t j = 0; j < n_points; ++j) {
-                    const double* at = p.data() + 2 * (n_points * k + j);
-                    if (!std::isnan(at[0])) others.push_back({{at[0], at[1], 0, 0, 0, 1.0}, of_points});
-                }
-                for (int64_t j = 0; j < n; ++j)
-                    if (j != k % n && present(world + 6 * j))
-                        others.push_back({disc_of(world + 6 * j), settings.horizon});
-                if (present(row))
-                    orca(disc_of(row), others, w.data()[2 * k], w.data()[2 * k + 1], s.data()[k], settings,
-                         out.data[2 * k], out.data[2 * k + 1]);
+                const double *row = a.discs.data() + 6 * k, *v = a.preferred.data() + 2 * k;
+                if (!present(row)) continue;
+                const Vec2 velocity =
+                    orca_velocity(disc_of(row), neighbors_of(a, k), {v[0], v[1]}, a.speeds.data()[k], a.settings);
+                out.data[2 * k] = velocity.x, out.data[2 * k + 1] = velocity.y;
             }
         },
         chunk);

@@ -14,7 +14,7 @@ void activate(Activation activation, int64_t n, double* x) {
         for (int64_t j = 0; j < n; ++j) x[j] = x[j] > 0 ? x[j] : 0.0;
 }
 
-// Outputs side by side, so that each has a sum of its own.
+// The inner loop runs over outputs, each with its own sum, so that it vectorizes without reordering.
 void apply(const Layer& layer, const double* x, double* y) {
     std::copy(layer.offsets.begin(), layer.offsets.end(), y);
     for (int64_t k = 0; k < layer.inputs; ++k) {

@@ -1,4 +1,4 @@
-// A feed-forward network: layers of a matrix, an offset and an activation, in double precision.
+// A feed-forward network in double precision.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct Layer {
 };
 
 struct Network {
-    std::vector<Layer> layers;  // each takes what the one before gives
+    std::vector<Layer> layers;  // a layer's inputs are the outputs of the layer before
 
     int64_t inputs() const { return layers.front().inputs; }
     int64_t outputs() const { return layers.back().outputs; }
-    // n rows of inputs to n rows of outputs. A sum begins with the offset and goes through the inputs in
-    // their order, whatever is done at once: the same bits on every machine.
+    // Maps n rows of inputs to n rows of outputs. Sums begin with the offset and follow the order of the inputs,
+    // whatever the vector width: the same bits on every machine.
     void run(const double* rows, int64_t n, double* out) const;
 };
 

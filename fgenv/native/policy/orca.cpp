@@ -6,67 +6,69 @@
 namespace fgenv {
 namespace {
 
-constexpr double parallel = 1e-9;  // sine of the angle below which lines count as such
+constexpr double parallel_sine = 1e-9;  // of the angle below which lines count as parallel
 
-struct V {
-    double x, y;
-};
-V operator+(V a, V b) { return {a.x + b.x, a.y + b.y}; }
-V operator-(V a, V b) { return {a.x - b.x, a.y - b.y}; }
-V operator*(double s, V a) { return {s * a.x, s * a.y}; }
-double dot(V a, V b) { return a.x * b.x + a.y * b.y; }
-double cross(V a, V b) { return a.x * b.y - a.y * b.x; }
-double length(V a) { return std::sqrt(dot(a, a)); }
-V unit(V a) {
+Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
+double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+double length(Vec2 a) { return std::sqrt(dot(a, a)); }
+Vec2 unit(Vec2 a) {
     const double l = length(a);
-    return l > 0 ? (1 / l) * a : V{1, 0};
+    return l > 0 ? (1 / l) * a : Vec2{1, 0};
 }
 
 // Velocities to the left of a directed line, and on it, are allowed.
-struct Line {
-    V point, along;
+struct HalfPlane {
+    Vec2 point, direction;
+
+    double violation(Vec2 v) const { return cross(direction, point - v); }  // meters per second, negative: inside
 };
 
-// The half-plane of section 4: u is the least change of the relative velocity that leaves the cone of
-// velocities which meet within the horizon; each side takes its share of it.
-Line half_plane(const Disc& self, const Disc& other, double horizon, double dt) {
-    const V p{other.x - self.x, other.y - self.y}, own{self.vx, self.vy}, v{self.vx - other.vx, self.vy - other.vy};
+// Section 4: `change` is the least change of the relative velocity that leaves the cone of velocities that collide
+// within the horizon; each side takes its share of it.
+HalfPlane half_plane(const Disc& self, const Disc& other, double horizon, double dt) {
+    const Vec2 p = other.position - self.position, v = self.velocity - other.velocity;
     const double squared = dot(p, p), r = self.radius + other.radius;
-    V along, u;
-    if (squared > r * r) {
-        const V w = v - (1 / horizon) * p;  // from the center of the cone's round end
-        const double ahead = dot(w, p);
-        if (ahead < 0 && ahead * ahead > r * r * dot(w, w)) {
-            const V n = unit(w);
-            along = {n.y, -n.x};
-            u = (r / horizon - length(w)) * n;
-        } else {
-            const double leg = std::sqrt(squared - r * r);
-            if (cross(p, w) > 0)
-                along = (1 / squared) * V{p.x * leg - p.y * r, p.x * r + p.y * leg};
-            else
-                along = (-1 / squared) * V{p.x * leg + p.y * r, p.y * leg - p.x * r};
-            u = dot(v, along) * along - v;
-        }
-    } else {  // they overlap: apart within a step
-        const V w = v - (1 / dt) * p, n = unit(w);
-        along = {n.y, -n.x};
-        u = (r / dt - length(w)) * n;
+    const bool overlap = squared <= r * r;
+    const double seconds = overlap ? dt : horizon;
+    const Vec2 w = v - (1 / seconds) * p;  // from the center of the cone's round end
+    const double ahead = dot(w, p);
+    Vec2 direction, change;
+    if (overlap || (ahead < 0 && ahead * ahead > r * r * dot(w, w))) {
+        const Vec2 n = unit(w);
+        direction = {n.y, -n.x};
+        change = (r / seconds - length(w)) * n;
+    } else {
+        const double leg = std::sqrt(squared - r * r);
+        if (cross(p, w) > 0)
+            direction = (1 / squared) * Vec2{p.x * leg - p.y * r, p.x * r + p.y * leg};
+        else
+            direction = (-1 / squared) * Vec2{p.x * leg + p.y * r, p.y * leg - p.x * r};
+        change = dot(v, direction) * direction - v;
     }
-    return {own + other.share * u, along};
+    return {self.velocity + other.responsibility * change, direction};
 }
 
-// The point of line i, within the disc of `most` and allowed by the lines before it, that is nearest to
-// `expected`, or farthest in its direction; false if there is none.
-bool on_line(const std::vector<Line>& lines, size_t i, double most, V expected, bool direction, V& found) {
-    const Line& line = lines[i];
-    const double middle = dot(line.point, line.along),
-                 inside = middle * middle + most * most - dot(line.point, line.point);
+// What a linear program optimizes within the disc of `max_speed`.
+struct Objective {
+    Vec2 target;
+    bool farthest;  // in the direction of `target`; else nearest to it
+};
+
+// The best point of the line of constraint i within the disc and the constraints before it; false if there is none.
+bool optimize_on_line(const std::vector<HalfPlane>& constraints, size_t i, double max_speed, const Objective& objective,
+                      Vec2& best) {
+    const HalfPlane& line = constraints[i];
+    const double middle = dot(line.point, line.direction),
+                 inside = middle * middle + max_speed * max_speed - dot(line.point, line.point);
     if (inside < 0) return false;
     double left = -middle - std::sqrt(inside), right = -middle + std::sqrt(inside);
     for (size_t j = 0; j < i; ++j) {
-        const double sine = cross(line.along, lines[j].along), by = cross(lines[j].along, line.point - lines[j].point);
-        if (std::fabs(sine) <= parallel) {
+        const double sine = cross(line.direction, constraints[j].direction),
+                     by = cross(constraints[j].direction, line.point - constraints[j].point);
+        if (std::fabs(sine) <= parallel_sine) {
             if (by < 0) return false;
             continue;
         }
@@ -74,69 +76,74 @@ bool on_line(const std::vector<Line>& lines, size_t i, double most, V expected, 
         sine >= 0 ? right = std::min(right, t) : left = std::max(left, t);
         if (left > right) return false;
     }
-    double t = dot(line.along, expected - line.point);
-    if (direction) t = dot(expected, line.along) > 0 ? right : left;
-    found = line.point + std::clamp(t, left, right) * line.along;
+    double t = dot(line.direction, objective.target - line.point);
+    if (objective.farthest) t = dot(objective.target, line.direction) > 0 ? right : left;
+    best = line.point + std::clamp(t, left, right) * line.direction;
     return true;
 }
 
-// Line by line (M. de Berg and others, "Computational Geometry", chapter 4); the number of the first line
-// that cannot be kept, or of all. In the order of the lines: no shuffling, the same on every machine.
-size_t in_plane(const std::vector<Line>& lines, double most, V expected, bool direction, V& found) {
-    if (direction)
-        found = most * expected;
+// Constraint by constraint (M. de Berg and others, "Computational Geometry", chapter 4). Returns the index of the first
+// constraint that cannot be kept, or their number. The order is fixed, not random: the same result on every machine.
+size_t optimize(const std::vector<HalfPlane>& constraints, double max_speed, const Objective& objective, Vec2& best) {
+    const Vec2 target = objective.target;
+    if (objective.farthest)
+        best = max_speed * target;
     else
-        found = dot(expected, expected) > most * most ? most * unit(expected) : expected;
-    for (size_t i = 0; i < lines.size(); ++i) {
-        if (cross(lines[i].along, lines[i].point - found) <= 0) continue;
-        const V before = found;
-        if (!on_line(lines, i, most, expected, direction, found)) {
-            found = before;
+        best = dot(target, target) > max_speed * max_speed ? max_speed * unit(target) : target;
+    for (size_t i = 0; i < constraints.size(); ++i) {
+        if (constraints[i].violation(best) <= 0) continue;
+        const Vec2 before = best;
+        if (!optimize_on_line(constraints, i, max_speed, objective, best)) {
+            best = before;
             return i;
         }
     }
-    return lines.size();
+    return constraints.size();
 }
 
-// Where all cannot be kept: the greatest trespass as small as can be (section 5.3), from line `begin` on.
-void least_trespass(const std::vector<Line>& lines, size_t begin, double most, V& found) {
-    double trespass = 0;
-    for (size_t i = begin; i < lines.size(); ++i) {
-        if (cross(lines[i].along, lines[i].point - found) <= trespass) continue;
-        std::vector<Line> between;  // where line j is trespassed as much as line i
-        for (size_t j = 0; j < i; ++j) {
-            const double sine = cross(lines[i].along, lines[j].along);
-            V point;
-            if (std::fabs(sine) <= parallel) {
-                if (dot(lines[i].along, lines[j].along) > 0) continue;
-                point = 0.5 * (lines[i].point + lines[j].point);
-            } else {
-                const double t = cross(lines[j].along, lines[i].point - lines[j].point) / sine;
-                point = lines[i].point + t * lines[i].along;
-            }
-            between.push_back({point, unit(lines[j].along - lines[i].along)});
-        }
-        const V before = found;
-        if (in_plane(between, most, {-lines[i].along.y, lines[i].along.x}, true, found) < between.size())
-            found = before;
-        trespass = cross(lines[i].along, lines[i].point - found);
+// The line of equal violation of constraints i and j; false if there is none, or they are the same.
+bool equal_violation(const HalfPlane& i, const HalfPlane& j, HalfPlane& out) {
+    const double sine = cross(i.direction, j.direction);
+    if (std::fabs(sine) <= parallel_sine) {
+        if (dot(i.direction, j.direction) > 0) return false;
+        out.point = 0.5 * (i.point + j.point);
+    } else {
+        const double t = cross(j.direction, i.point - j.point) / sine;
+        out.point = i.point + t * i.direction;
+    }
+    out.direction = unit(j.direction - i.direction);
+    return true;
+}
+
+// Section 5.3: minimizes the greatest violation if not all constraints can be kept, from constraint `first` on.
+void minimize_violation(const std::vector<HalfPlane>& constraints, size_t first, double max_speed, Vec2& best) {
+    double violation = 0;
+    for (size_t i = first; i < constraints.size(); ++i) {
+        if (constraints[i].violation(best) <= violation) continue;
+        std::vector<HalfPlane> between;
+        HalfPlane line{};
+        for (size_t j = 0; j < i; ++j)
+            if (equal_violation(constraints[i], constraints[j], line)) between.push_back(line);
+        const Vec2 before = best, inward{-constraints[i].direction.y, constraints[i].direction.x};
+        if (optimize(between, max_speed, {inward, true}, best) < between.size()) best = before;
+        violation = constraints[i].violation(best);
     }
 }
 
 }  // namespace
 
-void orca(const Disc& self, const std::vector<Neighbor>& others, double wanted_x, double wanted_y, double speed,
-          const OrcaSettings& settings, double& vx, double& vy) {
-    std::vector<Line> lines;
-    for (const auto& [other, horizon] : others) {
-        const V p{other.x - self.x, other.y - self.y};
+Vec2 orca_velocity(const Disc& self, const std::vector<Neighbor>& neighbors, Vec2 preferred, double max_speed,
+                   const OrcaSettings& settings) {
+    std::vector<HalfPlane> constraints;
+    for (const Neighbor& neighbor : neighbors) {
+        const Vec2 p = neighbor.disc.position - self.position;
         if (dot(p, p) <= settings.range * settings.range)
-            lines.push_back(half_plane(self, other, horizon, settings.dt));
+            constraints.push_back(half_plane(self, neighbor.disc, neighbor.horizon, settings.dt));
     }
-    V found;
-    const size_t kept = in_plane(lines, speed, {wanted_x, wanted_y}, false, found);
-    if (kept < lines.size()) least_trespass(lines, kept, speed, found);
-    vx = found.x, vy = found.y;
+    Vec2 best{};
+    const size_t kept = optimize(constraints, max_speed, {preferred, false}, best);
+    if (kept < constraints.size()) minimize_violation(constraints, kept, max_speed, best);
+    return best;
 }
 
 }  // namespace fgenv

@@ -2,33 +2,34 @@
 // J. van den Berg, S. J. Guy, M. Lin, D. Manocha, "Reciprocal n-body collision avoidance", 2011.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 namespace fgenv {
 
-struct Disc {
-    double x, y;    // meters
-    double vx, vy;  // m/s
-    double radius;
-    double share;  // of the avoiding that falls to whoever asks: 1/2, or 1 where this one rests
+struct Vec2 {
+    double x, y;
 };
 
-// Another one, and for how many seconds ahead the two shall not meet.
+struct Disc {
+    Vec2 position;  // meters
+    Vec2 velocity;  // m/s
+    double radius;
+    double responsibility;  // share of the avoidance that other discs take: 1/2, or 1 if this disc rests
+};
+
 struct Neighbor {
     Disc disc;
-    double horizon;
+    double horizon;  // seconds without a collision
 };
 
 struct OrcaSettings {
-    double horizon;  // of discs
-    double dt;       // seconds of a step, in which discs that overlap shall part
-    double range;    // meters between centers: who is farther away is not looked at
+    double dt;     // seconds in which overlapping discs part
+    double range;  // meters between centers; neighbors beyond it are ignored
 };
 
-// Velocity of `self` that is nearest to what it wants, at most `speed`, and allowed by all others; where none
-// is, the one whose worst trespass is least.
-void orca(const Disc& self, const std::vector<Neighbor>& others, double wanted_x, double wanted_y, double speed,
-          const OrcaSettings& settings, double& vx, double& vy);
+// The velocity nearest to `preferred`, at most `max_speed`, that avoids all neighbors. If there is none, the velocity
+// with the least violation of the worst constraint.
+Vec2 orca_velocity(const Disc& self, const std::vector<Neighbor>& neighbors, Vec2 preferred, double max_speed,
+                   const OrcaSettings& settings);
 
 }  // namespace fgenv

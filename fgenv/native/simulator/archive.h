@@ -1,4 +1,4 @@
-// State as bytes and back, by one `visit` for both.
+// States as bytes: one `visit` of a struct serves both the writer and the reader.
 #pragma once
 
 #include <cstring>
@@ -8,6 +8,8 @@
 #include <vector>
 
 namespace fgenv {
+
+[[noreturn]] inline void damaged_state() { throw std::invalid_argument("state: damaged, or of another simulator"); }
 
 class Writer {
 public:
@@ -45,25 +47,24 @@ private:
     template <class T>
     void get(T& item) {
         static_assert(std::is_trivially_copyable_v<T>);
-        if (bytes_.size() - at_ < sizeof(T)) damaged();
+        if (bytes_.size() - at_ < sizeof(T)) damaged_state();
         std::memcpy(&item, bytes_.data() + at_, sizeof(T));
         at_ += sizeof(T);
     }
     void get(bool& item) {
         uint8_t byte = 0;
         get(byte);
-        if (byte > 1) damaged();
+        if (byte > 1) damaged_state();
         item = byte;
     }
     template <class T>
     void get(std::vector<T>& items) {
         uint64_t n = 0;
         get(n);
-        if (n > bytes_.size() - at_) damaged();  // each takes a byte at least
+        if (n > bytes_.size() - at_) damaged_state();  // an item takes at least one byte
         items.resize(n);
         for (T& item : items) get(item);
     }
-    [[noreturn]] static void damaged() { throw std::invalid_argument("state: damaged, or of another simulator"); }
 
     std::string bytes_;
     size_t at_ = 0;

@@ -1,4 +1,4 @@
-// Shortest ways over a grid of cells.
+// Grids of cells and cheapest paths over them.
 #pragma once
 
 #include <cstdint>
@@ -6,19 +6,23 @@
 
 namespace fgenv {
 
-constexpr int64_t headings = 8;
+constexpr int64_t n_headings = 8;
 
-// Cells in rows, in one layer or one for each heading: heading k looks k eighths of a turn from the next row to the
-// next column. To step into a cell costs its price times the step's length in cells. Infinite: closed.
+// Cells in rows, in one layer or in one per heading. Heading k points k eighths of a turn from the next row to the next
+// column. A step into a cell costs the cell's cost times the length of the step in cells.
 struct Grid {
-    int64_t layers, rows, columns;  // layers: 1 or `headings`
-    const double* price;            // 1 or more
+    int64_t layers = 1, rows = 1, columns = 1;  // layers: 1 or n_headings
+    std::vector<uint8_t> costs;                 // (layers, rows, columns); 0: closed
+
+    int64_t layer_size() const { return rows * columns; }
+    int64_t size() const { return layers * layer_size(); }
+    bool closed(int64_t cell) const { return costs[cell] == 0; }
 };
 
-// The cheapest way between two cells, numbered as prices are; both ends included; empty: there is none. In one layer
-// by steps to the eight around; with headings by steps ahead, and by an eighth of a turn in place, which costs the
-// price. A step between two cells corner to corner needs both cells beside it open. A* (P. Hart, N. Nilsson,
-// B. Raphael, 1968) with the octile distance; of ways as good the one found is the same on every machine.
-std::vector<int64_t> cheapest_way(const Grid& grid, int64_t from, int64_t to);
+// The cheapest path between two cells, numbered as in `costs`; both ends included; empty if there is none. In one layer
+// a step leads to one of the eight cells around. With headings a step leads ahead, or turns by an eighth in place at
+// the cell's cost. A diagonal step needs both cells beside it open. A* (P. Hart, N. Nilsson, B. Raphael, 1968) with the
+// octile distance; of equally cheap paths the same one on every machine.
+std::vector<int64_t> cheapest_path(const Grid& grid, int64_t start, int64_t goal);
 
 }  // namespace fgenv

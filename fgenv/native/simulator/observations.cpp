@@ -1,220 +1,179 @@
-// What robots observe: rows of floats, part by part.
+#include "simulator/observations.h"
+
 #include <algorithm>
 
-#include "simulator/simulator.h"
+#include "simulator/path_point.h"
 
 namespace fgenv {
 namespace {
 
-// Numbers of a neighbor.
-int32_t width_of(const Senses& s, bool flat) { return (flat ? 7 : 11) + (s.intent ? (flat ? 2 : 3) : 0); }
-
 void write(float*& out, double x) { *out++ = static_cast<float>(x); }
 
-// Where a way is nearest to a position, and from there `ahead` along it; of `axes` coordinates.
-std::vector<double> ahead_on(const Agent& agent, const Way& path, const double* q, double ahead) {
-    const int32_t n = agent.axes();
-    const auto by = [&](const double* from, const double* to, int32_t k) {
-        return change(agent.robot->coordinates[k], from[k], to[k]);
-    };
-    const auto length = [&](size_t leg) {
-        double squared = 0;
-        for (int32_t k = 0; k < n; ++k) squared += std::pow(by(path[leg].data(), path[leg + 1].data(), k), 2);
-        return std::sqrt(squared);
-    };
-    double nearest = HUGE_VAL, at = 0;
-    size_t leg = 0;
-    for (size_t i = 0; i + 1 < path.size(); ++i) {
-        double along = 0, squared = 0, gap = 0;
-        for (int32_t k = 0; k < n; ++k) {
-            const double d = by(path[i].data(), path[i + 1].data(), k);
-            along += d * by(path[i].data(), q, k);
-            squared += d * d;
-        }
-        const double t = squared > 0 ? lesser(greater(along / squared, 0), 1) : 0;
-        for (int32_t k = 0; k < n; ++k)
-            gap += std::pow(by(path[i].data(), q, k) - t * by(path[i].data(), path[i + 1].data(), k), 2);
-        if (gap > nearest) continue;  // of two as near the later
-        nearest = gap;
-        leg = i;
-        at = t;
-    }
-    if (path.size() < 2) return path[0];
-    double rest = ahead;
-    for (; leg + 1 < path.size(); ++leg, at = 0) {
-        const double whole = length(leg);
-        if (rest <= (1 - at) * whole && whole > 0) {
-            const double t = at + rest / whole;
-            std::vector<double> out(agent.robot->nq());
-            interpolate(*agent.robot, path[leg].data(), path[leg + 1].data(), t, out.data());
-            return out;
-        }
-        rest -= (1 - at) * whole;
-    }
-    return path.back();
+Rigid base_frame(const RobotSpec& spec, const double* q) {
+    const Joint& joint = spec.robot->joints[0];
+    return carried(joint, joint.origin, q);
 }
+
+Quaternion orientation(const std::vector<double>& q) { return {q[3], q[4], q[5], q[6]}; }
 
 }  // namespace
 
-struct Simulator::Bodies {
-    std::vector<Rigid> bases;      // frames of the root links
-    std::vector<Vec3> velocities;  // of their origins, world
+struct Observer::BaseMotions {
+    std::vector<Rigid> frames;     // of the root links
+    std::vector<Vec3> velocities;  // of their origins, world frame
+
+    BaseMotions(const std::vector<RobotSpec>& specs, const Episode& episode) {
+        for (size_t i = 0; i < specs.size(); ++i) {
+            const RobotState& state = episode.robots[i];
+            frames.push_back(base_frame(specs[i], state.q.data()));
+            velocities.push_back(rotate(frames.back(), base_velocity(specs[i].drive, state.action.data())));
+        }
+    }
 };
 
-std::vector<Slice> Simulator::slices(int32_t i) const {
-    const Agent& agent = agents_[i];
-    const Senses& s = settings_.senses;
-    const int32_t joints = agent.robot->nq() - agent.base();
-    const int32_t place = agent.base() == 3 ? 4 : agent.base();
+Observer::Observer(const std::vector<RobotSpec>& specs, const ObservationSettings& settings)
+    : specs_(specs), settings_(settings) {
+    for (const RobotSpec& spec : specs_) planar_ &= spec.base_size() == 3;
+    for (size_t i = 0; i < specs_.size(); ++i)
+        for (const Slice& slice : slices(static_cast<int32_t>(i))) size_ = std::max(size_, slice.begin + slice.size);
+}
+
+int32_t Observer::neighbor_size() const { return (planar_ ? 7 : 11) + (settings_.intent ? (planar_ ? 2 : 3) : 0); }
+
+std::vector<Slice> Observer::slices(int32_t i) const {
+    const RobotSpec& spec = specs_[i];
+    const ObservationSettings& s = settings_;
+    const int32_t joints = spec.robot->nq() - spec.base_size();
+    const int32_t base = spec.base_size() == 3 ? 4 : spec.base_size();
     std::vector<Slice> out;
-    int32_t at = 0;
-    const auto add = [&](bool expected, const char* name, int32_t n) {
-        if (!expected || n == 0) return;
-        out.push_back({name, at, n});
-        at += n;
+    int32_t begin = 0;
+    const auto add = [&](bool enabled, const char* name, int32_t n) {
+        if (!enabled || n == 0) return;
+        out.push_back({name, begin, n});
+        begin += n;
     };
-    add(s.goal, "goal", place + joints);
-    add(s.velocity, "velocity", agent.drive.n_actions());
-    add(s.configuration, "configuration", agent.robot->nq());
-    add(s.path_hint, "path_hint", agent.axes());
-    add(true, "neighbors", s.neighbors * (s.priority ? 2 : 1) * width_of(s, flat_));
-    add(s.lidar, "lidar", static_cast<int32_t>(agent.lidar.directions.size()));
+    add(s.goal, "goal", base + joints);
+    add(s.velocity, "velocity", spec.drive.n_actions());
+    add(s.configuration, "configuration", spec.robot->nq());
+    add(s.path_hint, "path_hint", spec.position_size());
+    add(true, "neighbors", s.neighbors * (s.priority ? 2 : 1) * neighbor_size());
+    add(s.lidar, "lidar", static_cast<int32_t>(spec.lidar.directions.size()));
     return out;
 }
 
-void Simulator::observe(int32_t e, float* rows) const {
-    const Episode& episode = *episodes_[e];
-    Bodies bodies;
-    for (int32_t i = 0; i < n_agents(); ++i) {
-        const Agent& agent = agents_[i];
-        const Runner& runner = episode.runners[i];
-        bodies.bases.push_back(base_frame(agent, runner.q.data()));
-        bodies.velocities.push_back(rotate(bodies.bases.back(), base_velocity(agent.drive, runner.action.data())));
-    }
-    const Senses& s = settings_.senses;
-    for (int32_t i = 0; i < n_agents(); ++i) {
-        const Agent& agent = agents_[i];
-        const Runner& runner = episode.runners[i];
-        float* out = rows + i * observation_size_;
-        float* const end = out + observation_size_;
-        if (s.goal) sense_goal(agent, runner, out);
-        if (s.velocity)
-            for (double x : runner.action) write(out, x);
-        if (s.configuration)
-            for (double x : runner.q) write(out, x);
-        if (s.path_hint) sense_path(agent, runner, out);
-        if (s.neighbors) sense_neighbors(episode, i, bodies, out);
-        if (s.lidar) sense_lidar(episode, i, bodies.bases[i], out);
+void Observer::write(const Episode& episode, float* rows) const {
+    const BaseMotions bases(specs_, episode);
+    for (int32_t i = 0; i < static_cast<int32_t>(specs_.size()); ++i) {
+        const RobotSpec& spec = specs_[i];
+        const RobotState& state = episode.robots[i];
+        float* out = rows + i * size_;
+        float* const end = out + size_;
+        if (settings_.goal) write_goal(spec, state, out);
+        if (settings_.velocity)
+            for (double x : state.action) fgenv::write(out, x);
+        if (settings_.configuration)
+            for (double x : state.q) fgenv::write(out, x);
+        if (settings_.path_hint) write_path_hint(spec, state, out);
+        if (settings_.neighbors) write_neighbors(episode, i, bases, out);
+        if (settings_.lidar) write_lidar(episode, i, bases.frames[i], out);
         std::fill(out, end, 0.0f);
     }
 }
 
-Rigid Simulator::base_frame(const Agent& agent, const double* q) const {
-    const Joint& joint = agent.robot->joints[0];
-    return carried(joint, joint.origin, q);
-}
-
-void Simulator::sense_goal(const Agent& agent, const Runner& runner, float*& out) const {
-    const double *q = runner.q.data(), *goal = runner.goal.data();
-    if (agent.base()) {
-        const Offset o = base_offset(*agent.robot, q, goal);
-        for (int32_t k = 0; k < agent.axes(); ++k) write(out, o.by[k]);
-        if (agent.base() == 3) {
-            double s, c;
-            sin_cos(o.turn, s, c);
-            write(out, c);
-            write(out, s);
+void Observer::write_goal(const RobotSpec& spec, const RobotState& state, float*& out) const {
+    const double *q = state.q.data(), *goal = state.goal.data();
+    if (spec.base_size()) {
+        const Offset offset = base_offset(*spec.robot, q, goal);
+        for (int32_t k = 0; k < spec.position_size(); ++k) fgenv::write(out, offset.by[k]);
+        if (spec.base_size() == 3) {
+            double sine, cosine;
+            sin_cos(offset.turn, sine, cosine);
+            fgenv::write(out, cosine);
+            fgenv::write(out, sine);
         } else {
-            const Quaternion turn =
-                relative(Quaternion{q[3], q[4], q[5], q[6]}, Quaternion{goal[3], goal[4], goal[5], goal[6]});
-            for (double x : {turn.x, turn.y, turn.z, turn.w}) write(out, x);
+            const Quaternion turn = relative(orientation(state.q), orientation(state.goal));
+            for (double x : {turn.x, turn.y, turn.z, turn.w}) fgenv::write(out, x);
         }
     }
-    for (int32_t k = agent.base(); k < agent.robot->nq(); ++k)
-        write(out, change(agent.robot->coordinates[k], q[k], goal[k]));
+    for (int32_t k = spec.base_size(); k < spec.robot->nq(); ++k)
+        fgenv::write(out, change(spec.robot->coordinates[k], q[k], goal[k]));
 }
 
-void Simulator::sense_path(const Agent& agent, const Runner& runner, float*& out) const {
-    const std::vector<double> point = ahead_on(agent, runner.path, runner.q.data(), settings_.senses.look_ahead);
-    if (agent.base()) {
-        const Offset o = base_offset(*agent.robot, runner.q.data(), point.data());
-        for (int32_t k = 0; k < agent.axes(); ++k) write(out, o.by[k]);
+void Observer::write_path_hint(const RobotSpec& spec, const RobotState& state, float*& out) const {
+    const double* q = state.q.data();
+    const std::vector<double> point = point_ahead(spec, state.path, q, settings_.look_ahead);
+    if (spec.base_size()) {
+        const Offset offset = base_offset(*spec.robot, q, point.data());
+        for (int32_t k = 0; k < spec.position_size(); ++k) fgenv::write(out, offset.by[k]);
     } else {
-        for (int32_t k = 0; k < agent.axes(); ++k)
-            write(out, change(agent.robot->coordinates[k], runner.q[k], point[k]));
+        for (int32_t k = 0; k < spec.position_size(); ++k)
+            fgenv::write(out, change(spec.robot->coordinates[k], q[k], point[k]));
     }
 }
 
-// The nearest robots, by the origins of their bases; zeros where there are no more. With a range their numbers fade
-// to zeros where their circles are so far apart, and a direction takes the place of the position. With priorities
-// those that go before the robot, then as many of those that go after it.
-void Simulator::sense_neighbors(const Episode& episode, int32_t i, const Bodies& bodies, float*& out) const {
-    const int32_t n = n_agents();
-    const auto tell = [&](int32_t from, int32_t to) {
-        std::vector<std::pair<double, int32_t>> near;
-        for (int32_t j = from; j < to; ++j) {
-            if (j == i || episode.runners[j].status == Status::gone) continue;
-            const Vec3 d = origin(bodies.bases[j]) - origin(bodies.bases[i]);
-            near.emplace_back(dot(d, d), j);
-        }
-        const size_t k = std::min<size_t>(near.size(), settings_.senses.neighbors);
-        std::partial_sort(near.begin(), near.begin() + k, near.end());
-        for (size_t m = 0; m < k; ++m)
-            sense_neighbor(episode, i, near[m].second, std::sqrt(near[m].first), bodies, out);
-        const size_t rest = (settings_.senses.neighbors - k) * width_of(settings_.senses, flat_);
-        std::fill(out, out + rest, 0.0f);
-        out += rest;
-    };
-    if (!settings_.senses.priority) return tell(0, n);
-    tell(0, i);
-    tell(i, n);
+void Observer::write_neighbors(const Episode& episode, int32_t i, const BaseMotions& bases, float*& out) const {
+    const int32_t n = static_cast<int32_t>(specs_.size());
+    if (!settings_.priority) return write_nearest(episode, i, 0, n, bases, out);
+    write_nearest(episode, i, 0, i, bases, out);
+    write_nearest(episode, i, i, n, bases, out);
 }
 
-void Simulator::sense_neighbor(const Episode& episode, int32_t i, int32_t j, double far, const Bodies& bodies,
-                               float*& out) const {
-    const Rigid& own = bodies.bases[i];
-    const double range = settings_.senses.neighbor_range, radius = agents_[j].radius;
-    Rigid there = relative(own, bodies.bases[j]);
-    const Vec3 v = unrotate(own, bodies.velocities[j] - bodies.velocities[i]);
+// The nearest of the robots first to last - 1, by the origins of their bases; zeros if there are fewer.
+void Observer::write_nearest(const Episode& episode, int32_t i, int32_t first, int32_t last, const BaseMotions& bases,
+                             float*& out) const {
+    std::vector<std::pair<double, int32_t>> near;
+    for (int32_t j = first; j < last; ++j) {
+        if (j == i || episode.robots[j].status == Status::gone) continue;
+        const Vec3 d = origin(bases.frames[j]) - origin(bases.frames[i]);
+        near.emplace_back(dot(d, d), j);
+    }
+    const size_t k = std::min<size_t>(near.size(), settings_.neighbors);
+    std::partial_sort(near.begin(), near.begin() + k, near.end());
+    for (size_t m = 0; m < k; ++m) write_neighbor(episode, i, near[m].second, std::sqrt(near[m].first), bases, out);
+    const size_t rest = (settings_.neighbors - k) * neighbor_size();
+    std::fill(out, out + rest, 0.0f);
+    out += rest;
+}
+
+// With a range, all numbers fade to zero as the distance between enclosing circles
+// grows to it, and the position is a direction.
+void Observer::write_neighbor(const Episode& episode, int32_t i, int32_t j, double distance, const BaseMotions& bases,
+                              float*& out) const {
+    const Rigid& own = bases.frames[i];
+    const double range = settings_.neighbor_range, radius = specs_[j].radius;
+    Rigid frame = relative(own, bases.frames[j]);
+    const Vec3 v = unrotate(own, bases.velocities[j] - bases.velocities[i]);
     double closeness = 1;
     if (range > 0) {
-        closeness = greater(0, 1 - (far - agents_[i].radius - radius) / range);
-        for (double& x : there.t) x = far > 0 ? x / far : 0;
+        closeness = greater(0, 1 - (distance - specs_[i].radius - radius) / range);
+        for (double& x : frame.t) x = distance > 0 ? x / distance : 0;
     }
-    const auto tell = [&](std::initializer_list<double> numbers) {
-        for (double x : numbers) write(out, closeness * x);
+    const auto write_all = [&](std::initializer_list<double> numbers) {
+        for (double x : numbers) fgenv::write(out, closeness * x);
     };
-    if (flat_) {
-        tell({there.t[0], there.t[1], there.r[0][0], there.r[1][0], v.x, v.y, radius});
+    if (planar_) {
+        write_all({frame.t[0], frame.t[1], frame.r[0][0], frame.r[1][0], v.x, v.y, radius});
     } else {
-        const Quaternion turn = quaternion_of(there);
-        tell({there.t[0], there.t[1], there.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius});
+        const Quaternion turn = quaternion_of(frame);
+        write_all({frame.t[0], frame.t[1], frame.t[2], turn.x, turn.y, turn.z, turn.w, v.x, v.y, v.z, radius});
     }
-    if (settings_.senses.intent) {
-        const Rigid goal = base_frame(agents_[j], episode.runners[j].goal.data());
-        const Vec3 way = unrotate(own, origin(goal) - origin(bodies.bases[j]));
-        flat_ ? tell({way.x, way.y}) : tell({way.x, way.y, way.z});
-    }
+    if (!settings_.intent) return;
+    const Rigid goal = base_frame(specs_[j], episode.robots[j].goal.data());
+    const Vec3 to_goal = unrotate(own, origin(goal) - origin(bases.frames[j]));
+    planar_ ? write_all({to_goal.x, to_goal.y}) : write_all({to_goal.x, to_goal.y, to_goal.z});
 }
 
-// Meters to the first surface on each ray; the range where there is none, and for who is gone.
-void Simulator::sense_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const {
-    const Agent& agent = agents_[i];
-    const size_t n = agent.lidar.directions.size();
-    if (n == 0) return;
-    std::vector<double> distances(n, agent.lidar.range);
-    if (episode.runners[i].status != Status::gone) {
+// Meters to the first surface on each ray; the range if there is none, or the robot is gone.
+void Observer::write_lidar(const Episode& episode, int32_t i, const Rigid& base, float*& out) const {
+    const Lidar& lidar = specs_[i].lidar;
+    if (lidar.directions.empty()) return;
+    std::vector<double> distances(lidar.directions.size(), lidar.range);
+    if (episode.robots[i].status != Status::gone) {
         std::vector<Vec3> directions;
-        for (const Vec3& d : agent.lidar.directions) directions.push_back(rotate(base, d));
-        episode.world.scan(apply(base, agent.lidar.position), directions, agent.lidar.range, agent.parts,
-                           distances.data());
+        for (const Vec3& d : lidar.directions) directions.push_back(rotate(base, d));
+        episode.world.scan(apply(base, lidar.position), directions, lidar.range, specs_[i].parts, distances.data());
     }
-    for (double d : distances) write(out, d);
-}
-
-void Simulator::toward(int32_t e, int32_t i, const double* target, double* action) const {
-    approach_command(*agents_[i].robot, agents_[i].drive, episodes_[e]->runners[i].q.data(), target, settings_.dt,
-                     action);
+    for (double d : distances) fgenv::write(out, d);
 }
 
 }  // namespace fgenv

@@ -71,7 +71,7 @@ class Live:
         self._before = self.simulator.configurations[world]
         with self.server.atomic():
             self.scene.set_goals(list(self.simulator.goals[world]))
-            self.scene.move_static(self.simulator.standing_poses(world))
+            self.scene.move_static(self.simulator.static_poses(world))
         self._show_robots(world, self.simulator.configurations[world])
         self._show_step(world)
         self._due = time.monotonic()
