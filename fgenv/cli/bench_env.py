@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -12,7 +11,6 @@ from fgenv.cli.options import Json, RatioPlot, Seed
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.status import Status
 
 Quick = Annotated[
     bool, typer.Option("--quick", help="Run short rounds with up to 32 worlds: half a minute.")
@@ -36,19 +34,12 @@ def env(
     from fgenv.bench.common.records import geometric_means
     from fgenv.bench.env.libraries import installed, versions
     from fgenv.bench.env.run import bench_env
-    from fgenv.view.figures import bars
 
     report = BenchReport(as_json, plot=plot)
     report.machine(versions())
 
-    def records(status: Status) -> Iterator[tuple[str, dict[str, Any]]]:
-        for done, (part, record) in enumerate(bench_env(installed(), seed=seed, quick=quick), 1):
-            yield part, record
-            status.update(f"{part}: {done} rows done")
-
-    rows = report.collect(records, show, "rates")
-    if plot is not None:
-        bars.plot_ratios(of_rates(rows["rates"]), "Robot-steps per CPU second", plot)
+    rows = report.collect(lambda _: bench_env(installed(), seed=seed, quick=quick), show, "rates")
+    report.plot_ratios(of_rates(rows["rates"]), "Robot-steps per CPU second")
     settings = {"seed": seed, "quick": quick}
     report.finish(settings=settings, **rows, summary=geometric_means(rows["rates"]))
 

@@ -28,7 +28,6 @@ def fleets(
     from fgenv.bench.fleets.report import NOTE, solved_shares, table_of
     from fgenv.bench.fleets.run import bench_fleets
     from fgenv.bench.fleets.sets import select_fleets
-    from fgenv.view.figures import interval_plot
 
     report = BenchReport(as_json, plot=plot)
     fleets = select_fleets(which)
@@ -43,6 +42,5 @@ def fleets(
     finally:  # an interrupted benchmark reports its finished part
         report.console.print(table_of(rows))
         report.console.print(NOTE)
-        if plot is not None and rows:
-            interval_plot.plot_shares(solved_shares(rows), "solved, of cases", plot)
+        report.plot_shares(solved_shares(rows), "solved, of cases")
         report.finish(cases=cases, rows=rows)

@@ -50,7 +50,6 @@ def pairs(
     from fgenv.bench.pairs.report import NOTE, peer_table, plot_times, ratio_table
     from fgenv.bench.pairs.run import bench_pairs
     from fgenv.bench.peers import peer, selected
-    from fgenv.view.figures import bars
 
     select_pairs(which)  # reports a wrong name before anything is printed
     names = selected(peers)
@@ -67,8 +66,7 @@ def pairs(
     if overall:
         report.console.print(ratio_table(records, overall))
     report.console.print(NOTE)
-    if plot is not None:
-        bars.plot_ratios(of_pairs(records), "A query, poses in one batch", plot)
+    report.plot_ratios(of_pairs(records), "A query, poses in one batch")
     if curves is not None:
         plot_times(records, curves)
     report.finish(settings=options, pairs=records, summary=overall)

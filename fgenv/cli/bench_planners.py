@@ -74,7 +74,6 @@ def planners(
     from fgenv.bench.common.ratios import of_problems
     from fgenv.bench.common.selection import split_names
     from fgenv.bench.planners.run import PlannerBenchConfig, bench_planners
-    from fgenv.view.figures import bars
 
     report = BenchReport(as_json, plot=plot)
     options: dict[str, Any] = {"resolution": resolution, "traps": traps, "mbm": mbm}
@@ -89,9 +88,8 @@ def planners(
     config.check()
     packages = ("fgenv", "ompl", *config.peers, *(("pin",) if config.arms else ()))
     report.machine(package_versions(packages))
-    rows = report.collect(lambda s: bench_planners(config, s.update), show, "building")
-    if plot is not None:
-        bars.plot_ratios(of_problems(rows["problems"]), "Time to the first solution", plot)
+    rows = report.collect(lambda progress: bench_planners(config, progress), show, "building")
+    report.plot_ratios(of_problems(rows["problems"]), "Time to the first solution")
     report.finish(settings=asdict(config), **rows)
 
 

@@ -32,7 +32,6 @@ def policies(
     """
     from fgenv.bench.policies.report import NOTES, success_shares, table_of
     from fgenv.bench.policies.run import run, select_trials
-    from fgenv.view.figures import interval_plot
 
     report = BenchReport(as_json, plot=plot)
     trials, rows = select_trials(which), list[dict[str, Any]]()
@@ -44,6 +43,5 @@ def policies(
     finally:  # an interrupted benchmark reports its finished part
         report.console.print(table_of(rows, cases))
         report.console.print(*NOTES, sep="\n")
-        if plot is not None and rows:
-            interval_plot.plot_shares(success_shares(rows), "success, of episodes", plot)
+        report.plot_shares(success_shares(rows), "success, of episodes")
         report.finish(cases=cases, rows=rows)

@@ -11,7 +11,8 @@ import typer
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.status import Status
+
+    from fgenv.confidence import Estimate
 
 Rows = dict[str, list[dict[str, Any]]]  # by part of a benchmark
 
@@ -35,7 +36,7 @@ class BenchReport:
         for option, path in plots.items():
             if path is not None:
                 check_plot_path(path, f"--{option}")
-        self.as_json = as_json
+        self.as_json, self.plots = as_json, plots
         self.console: Console = Console(stderr=as_json, highlight=False)
         self.document: dict[str, Any] = {}
 
@@ -55,27 +56,43 @@ class BenchReport:
 
     def collect(
         self,
-        records: Callable[[Status], Iterable[tuple[str, dict[str, Any]]]],
+        records: Callable[[Callable[[str], None]], Iterable[tuple[str, dict[str, Any]]]],
         show: Callable[[Console, str, list[dict[str, Any]]], None],
         first: str,
     ) -> Rows:
         """Run a benchmark of several parts, and print the tables of each part once it is done.
 
         Args:
-            records: makes the iterator of parts and their rows.
+            records: makes the iterator of parts and their rows; receives a function that shows
+                progress.
             show: prints the tables of a part.
             first: status at the beginning.
         """
         rows: Rows = {}
         with self.console.status(first) as status:
-            for part, record in records(status):
+            for done, (part, record) in enumerate(records(status.update), 1):
                 if rows and part not in rows:
                     last = list(rows)[-1]
                     show(self.console, last, rows[last])
                 rows.setdefault(part, []).append(record)
+                status.update(f"{part}: {done} rows done")
         last = list(rows)[-1]
         show(self.console, last, rows[last])
         return rows
+
+    def plot_ratios(self, ratios: Mapping[str, Mapping[str, float]], title: str) -> None:
+        """Draw the ratios as bars if --plot is given."""
+        from fgenv.view.figures.bars import plot_ratios
+
+        if (path := self.plots.get("plot")) is not None:
+            plot_ratios(ratios, title, path)
+
+    def plot_shares(self, shares: Mapping[str, Mapping[str, Estimate]], label: str) -> None:
+        """Draw the shares with their intervals if --plot is given and there are any."""
+        from fgenv.view.figures.interval_plot import plot_shares
+
+        if (path := self.plots.get("plot")) is not None and shares:
+            plot_shares(shares, label, path)
 
     def finish(self, **more: Any) -> None:
         """Print the document if it was requested."""

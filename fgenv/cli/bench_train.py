@@ -27,7 +27,6 @@ def train(
     from fgenv.bench.common.ratios import of_training
     from fgenv.bench.common.tables import count, table, text
     from fgenv.bench.train.run import bench_train
-    from fgenv.view.figures import bars
 
     report = BenchReport(as_json, plot=plot)
     report.machine()
@@ -43,6 +42,5 @@ def train(
     report.console.print(
         "gathered: the environment and the policy's actions; learned from: all of PPO"
     )
-    if plot is not None:
-        bars.plot_ratios(of_training(records), "Samples per CPU second", plot)
+    report.plot_ratios(of_training(records), "Samples per CPU second")
     report.finish(seed=seed, rates=records)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +12,6 @@ from fgenv.cli.options import Json, RatioPlot, Seed, file_option
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.status import Status
 
 PACKAGES = ("fgenv", "python-fcl", "coal", "trimesh", "mujoco")
 Quick = Annotated[
@@ -43,19 +41,12 @@ def world(
     from fgenv.bench.common.ratios import of_steps
     from fgenv.bench.world.report import plot as plot_curves
     from fgenv.bench.world.run import bench_world
-    from fgenv.view.figures import bars
 
     report = BenchReport(as_json, plot=plot, curves=curves)
     report.machine(package_versions(PACKAGES))
 
-    def records(status: Status) -> Iterator[tuple[str, dict[str, Any]]]:
-        for done, (part, record) in enumerate(bench_world(seed=seed, quick=quick), 1):
-            yield part, record
-            status.update(f"{part}: {done} rows done")
-
-    rows = report.collect(records, show, "steps")
-    if plot is not None:
-        bars.plot_ratios(of_steps(rows["steps"]), "All pairs a step", plot)
+    rows = report.collect(lambda _: bench_world(seed=seed, quick=quick), show, "steps")
+    report.plot_ratios(of_steps(rows["steps"]), "All pairs per step")
     if curves is not None:
         plot_curves(rows, curves)
     report.finish(settings={"seed": seed, "quick": quick}, **rows)

@@ -1,4 +1,4 @@
-"""All colliding pairs among many bodies, as each library lets a user of its Python ask."""
+"""All colliding pairs among many bodies, through the Python interface of each library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from fgenv.arrays import Poses
 from fgenv.bench.common.meshes import Mesh
 
-Pairs = set[tuple[int, int]]  # indices of bodies, rising
+Pairs = set[tuple[int, int]]  # indices of bodies, ascending
 
 
 class Bodies(Protocol):
@@ -22,12 +22,12 @@ class Bodies(Protocol):
         """Move all bodies to poses (n, 4, 4) and find all colliding pairs; this is timed."""
 
     def pairs(self, poses: Poses) -> Pairs:
-        """Those pairs, in a form to compare."""
+        """Return these pairs in a form to compare."""
 
 
 @dataclass(frozen=True)
 class Manager:
-    """A library's way to hold many bodies; `truth`: what its verdict is about."""
+    """The manager of many bodies in a library; `truth`: the subject of its verdicts."""
 
     name: str
     needs: str  # module
@@ -57,7 +57,7 @@ class FgenvBodies:
 
 
 class FclBodies:
-    """DynamicAABBTreeCollisionManager; a callback asks each pair and counts those that collide."""
+    """DynamicAABBTreeCollisionManager; a callback checks each pair and counts collisions."""
 
     def __init__(self, mesh: Mesh, poses: Poses) -> None:
         import fcl
@@ -83,34 +83,37 @@ class FclBodies:
         self.place(poses)
         collide, request = self.fcl.collide, self.request
 
-        def met(a: Any, b: Any, count: list[int]) -> bool:
+        def callback(a: Any, b: Any, count: list[int]) -> bool:
             if collide(a, b, request):
                 count[0] += 1
             return False
 
         count = [0]
-        self.manager.collide(count, met)
+        self.manager.collide(count, callback)
         return count[0]
 
     def pairs(self, poses: Poses) -> Pairs:
         """Bodies that share a model are distinguished by their poses."""
         self.place(poses)
         index = {body.getTranslation().tobytes(): k for k, body in enumerate(self.objects)}
-        found: Pairs = set()
+        hits: Pairs = set()
 
-        def met(a: Any, b: Any, _: object) -> bool:
+        def callback(a: Any, b: Any, _: object) -> bool:
             if self.fcl.collide(a, b, self.request):
                 i, j = (index[body.getTranslation().tobytes()] for body in (a, b))
-                found.add((min(i, j), max(i, j)))
+                hits.add((min(i, j), max(i, j)))
             return False
 
-        self.manager.collide(None, met)
-        return found
+        self.manager.collide(None, callback)
+        return hits
 
 
 class CoalBodies:
-    """Its Python has neither callbacks nor the pairs that the manager collects: all contacts of
-    all pairs are the only way to them. Models are distinguished by their addresses."""
+    """DynamicAABBTreeCollisionManager; pairs come from all contacts of all pairs.
+
+    coal's Python interface has neither callbacks nor the pairs that the manager collects. Models
+    are distinguished by their addresses.
+    """
 
     def __init__(self, mesh: Mesh, poses: Poses) -> None:
         import coal
@@ -143,8 +146,8 @@ class CoalBodies:
 
     def pairs(self, poses: Poses) -> Pairs:
         index = {model.id(): k for k, model in enumerate(self.models)}
-        met = [(index[c.o1.id()], index[c.o2.id()]) for c in self.step(poses).getContacts()]
-        return {(min(pair), max(pair)) for pair in met}
+        pairs = [(index[c.o1.id()], index[c.o2.id()]) for c in self.step(poses).getContacts()]
+        return {(min(pair), max(pair)) for pair in pairs}
 
 
 class TrimeshBodies:
@@ -165,8 +168,8 @@ class TrimeshBodies:
         return self.manager.in_collision_internal(return_names=True)[1]
 
     def pairs(self, poses: Poses) -> Pairs:
-        met = [(int(a), int(b)) for a, b in self.step(poses)]
-        return {(min(pair), max(pair)) for pair in met}
+        pairs = [(int(a), int(b)) for a, b in self.step(poses)]
+        return {(min(pair), max(pair)) for pair in pairs}
 
 
 class MujocoBodies:
@@ -195,14 +198,14 @@ class MujocoBodies:
         return self.data.contact.geom
 
     def pairs(self, poses: Poses) -> Pairs:
-        met = np.sort(self.step(poses), axis=1)
-        return {(int(a), int(b)) for a, b in met}
+        pairs = np.sort(self.step(poses), axis=1)
+        return {(int(a), int(b)) for a, b in pairs}
 
 
 def quaternions(turns: Poses) -> Poses:
-    """Quaternions (n, 4), w first, of rotations (n, 3, 3).
+    """Return quaternions (n, 4), w first, of rotations (n, 3, 3).
 
-    The dyadic product of the quaternion with itself is a matrix; its longest column is taken.
+    The result is the longest column of the product of the quaternion with its transpose.
     """
     t = turns
     a, b, c = t[:, 2, 1], t[:, 0, 2], t[:, 1, 0]
