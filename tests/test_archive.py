@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,7 +54,11 @@ def test_an_interrupted_save_leaves_what_was_there(tmp_path: Path) -> None:
 
 
 def test_another_version_is_told_whatever_is_in_it(tmp_path: Path) -> None:
-    new = {"format": "fgenv odd 3", "id": "0", "places": np.array([{}], dtype=object)}
+    new: dict[str, Any] = {
+        "format": "fgenv odd 3",
+        "id": "0",
+        "places": np.array([{}], dtype=object),
+    }
     np.savez(tmp_path / "new.npz", **new)  # an array that this version cannot read
     with pytest.raises(
         OddError,
@@ -73,7 +78,7 @@ def test_another_version_is_told_whatever_is_in_it(tmp_path: Path) -> None:
         {"marks": np.array(["7", "x"])},
     ],
 )
-def test_nothing_is_changed_unnoticed(change: dict, tmp_path: Path) -> None:
+def test_nothing_is_changed_unnoticed(change: dict[str, Any], tmp_path: Path) -> None:
     ODD.save(tmp_path / "a.npz", TEXTS, ARRAYS)
     with np.load(tmp_path / "a.npz") as file:
         content = dict(file)

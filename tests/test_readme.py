@@ -29,7 +29,7 @@ def test_set_up_commands_are_one_line_each() -> None:
 
 
 def test_tour_says_the_truth() -> None:
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     exec(block("tour"), names)
     hits, gaps = np.asarray(names["hits"]), np.asarray(names["gaps"])
     assert hits.shape == gaps.shape == (1000,)

@@ -41,6 +41,7 @@ def filled(envs: MultiScenarioVecEnv, steps: int) -> tuple[MaskedRolloutBuffer, 
     for k in range(steps):
         moved.append(envs.moving)
         rows, rewards, dones, _ = envs.step(np.zeros((envs.num_envs, 2)))
+        assert isinstance(rows, np.ndarray)
         numbers = np.arange(envs.num_envs) + 100.0 * k
         rows = np.repeat(numbers[:, None], rows.shape[1], axis=1)
         ones = torch.ones(envs.num_envs)

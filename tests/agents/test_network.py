@@ -120,4 +120,4 @@ def test_invalid_rows_raise() -> None:
     with pytest.raises(ValueError, match=r"rows: shape \(3, 5\), expected \(..., 4\)"):
         network.run(np.ones((3, 5)), None)
     with pytest.raises(ValueError, match=r"rows\[1, 2\] is nan"):
-        network.run([[0, 0, 0, 0], [0, 0, np.nan, 0]], None)
+        network.run([[0.0, 0, 0, 0], [0, 0, np.nan, 0]], None)

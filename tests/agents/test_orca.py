@@ -56,7 +56,7 @@ def nearest_exit(v: np.ndarray, p: np.ndarray, r: float) -> tuple[np.ndarray, np
         for _ in range(40):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if inside(v + middle * u, p, r) != now else (middle, high)
-        return high
+        return float(high)
 
     rough = np.linspace(-math.pi, math.pi, 121)
     best = rough[int(np.argmin([crossing(angle) for angle in rough]))]
@@ -264,7 +264,7 @@ def test_invalid_arguments_raise() -> None:
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points=points, **SETTINGS)
 
 
-def test_shortest_paths_lead_through_clutter():
+def test_shortest_paths_lead_through_clutter() -> None:
     cases = frozen("random", cases=4, n=4, drive="holonomic")
     shares = []
     for name in ("orca", "orca:shortest"):

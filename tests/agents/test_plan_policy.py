@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -186,12 +187,13 @@ def test_a_plan_of_another_episode_raises(tmp_path: Path) -> None:
     policy = policy_of(f"plan:{tmp_path / 'p.npz'}")
     assert isinstance(policy, PlanPolicy)
     policy.strict = True
-    for options, message in (
+    cases: tuple[tuple[dict[str, Any], str], ...] = (
         ({"n": 3}, "got robots robot 1, robot 2, expected robot 1, robot 2, robot 3"),
         ({"n": 2, "time_step": 0.05}, "got steps of 0.1 s, expected 0.05 s"),
         ({"n": 2, "size": 9.0}, "the start of 'robot 1' differs"),
-    ):
-        simulator = Simulator("swap", **options)  # type: ignore[arg-type]
+    )
+    for options, message in cases:
+        simulator = Simulator("swap", **options)
         simulator.reset(seed=0)
         with pytest.raises(PlanningError, match=message):
             policy.reset(View(simulator))

@@ -19,7 +19,7 @@ def begun(policy: str, simulator: Simulator, seed: int = 0) -> np.ndarray:
     made = policy_of(policy, seed)
     observations = simulator.reset(seed=0)
     made.reset(View(simulator))
-    return made.act(observations)
+    return np.asarray(made.act(observations))
 
 
 @pytest.mark.parametrize("mode", MODES)

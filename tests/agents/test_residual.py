@@ -131,8 +131,8 @@ def test_over_orca_the_output_shifts_the_preferred_velocity() -> None:
 
 def test_near_the_goal_the_output_is_ignored_over_orca(view: View) -> None:
     seen = view._simulator.observe()
-    near = float(np.mean(view.remaining))
-    base = acting(ResidualConfig(near=near, residual=1.5, orca=True), view)
+    distance = float(np.mean(view.remaining))
+    base = acting(ResidualConfig(near=distance, residual=1.5, orca=True), view)
     nothing, some = (base.actions(np.full((2, 3, 2), x), seen) for x in (0.0, -1.0))
     near = view.remaining < base.config.near
     assert 0 < near.sum() < near.size

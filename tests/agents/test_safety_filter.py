@@ -1,12 +1,16 @@
 """The safety filter, and the prediction by its view."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from fgenv.agents.policies.network import NetworkPolicy
+from fgenv.agents.policies.safety_filter import SafetyFilter
 from fgenv.envs import Simulator, View, policy_of
 
 
-def collisions(name: str, policy: str, **options: object) -> int:
+def collisions(name: str, policy: str, **options: Any) -> int:
     """Return the number of robot steps in contact in six worlds over 60 steps."""
     simulator = Simulator(name, 6, starts="random", autoreset=False, **options)
     rows, acting = simulator.reset(seed=3), policy_of(policy, 1)
@@ -30,7 +34,9 @@ def collisions(name: str, policy: str, **options: object) -> int:
     ],
 )
 @pytest.mark.parametrize("policy", ["goto", "random"])
-def test_filtered_policies_have_no_collisions(name: str, options: dict, policy: str) -> None:
+def test_filtered_policies_have_no_collisions(
+    name: str, options: dict[str, Any], policy: str
+) -> None:
     assert collisions(name, policy, **options) > 0
     assert collisions(name, f"safe:{policy}", **options) == 0
 
@@ -55,6 +61,8 @@ def test_the_view_predicts_the_collisions_of_a_step() -> None:
 
 def test_a_filter_has_the_observation_of_its_policy() -> None:
     inner, outer = policy_of("mlp:swap-holonomic"), policy_of("safe:mlp:swap-holonomic")
+    assert isinstance(inner, NetworkPolicy)
+    assert isinstance(outer, SafetyFilter)
     assert outer.observation == inner.observation
     assert outer.actions == "drive"
 

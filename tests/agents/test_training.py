@@ -25,7 +25,7 @@ from fgenv.agents.training.training import Training
 from fgenv.envs import Simulator, View, policy_of
 from fgenv.scenarios import Scenario
 
-SMALL = {
+SMALL: dict[str, Any] = {
     "cases": 3,
     "rows": 16,
     "n_steps": 32,
@@ -76,7 +76,8 @@ def test_the_policy_runs_without_torch(folder: Path) -> None:
 
 
 def test_the_exported_network_equals_the_model(folder: Path) -> None:
-    model, acts = Sb3Policy(folder / "model.zip"), []
+    model = Sb3Policy(folder / "model.zip")
+    acts: list[list[np.ndarray]] = []
     training = Training(TrainingConfig("swap", SWAP, steps=2_000, every=1_000), folder, resume=True)
     training.begin_stage(0)
     for policy in (NetworkPolicy(training.export()), model):
@@ -93,7 +94,11 @@ def test_the_exported_network_equals_the_model(folder: Path) -> None:
 def test_over_orca_with_held_noise_the_exported_network_equals_the_model(tmp_path: Path) -> None:
     recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12}, sde_sample_freq=8)
     assert recipe.orca
-    given = {"recipe": recipe, "scenario": "doorway", "overrides": {"drive": "holonomic"}}
+    given: dict[str, Any] = {
+        "recipe": recipe,
+        "scenario": "doorway",
+        "overrides": {"drive": "holonomic"},
+    }
     file = trained(tmp_path / "one", **given)
     assert trained(tmp_path / "two", **given).id == file.id
     training = Training(
@@ -113,6 +118,7 @@ def test_over_orca_with_held_noise_the_exported_network_equals_the_model(tmp_pat
             acts[-1].append(policy.act(rows))
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
     policy = NetworkPolicy(file)
+    assert policy.observation is not None
     seen = replace(policy.observation, pad=False)  # two neighbors instead of six
     simulator = Simulator("doorway", 2, n=3, drive="holonomic", observation=seen)
     rows = simulator.reset(seed=0)
@@ -237,6 +243,7 @@ def test_damaged_files_beside_a_model_raise(folder: Path, tmp_path: Path, suffix
 
 def test_other_robots_raise(folder: Path) -> None:
     policy = policy_of(f"mlp:{folder / 'policy.npz'}")
+    assert isinstance(policy, NetworkPolicy)
     for scenario, message in (
         (Simulator("swap", n=4, observation=None), r"observes .*lidar \(36\).*expected goal \(4\)"),
         (
@@ -256,6 +263,7 @@ def test_other_robots_raise(folder: Path) -> None:
 
 def test_fewer_robots_are_padded(folder: Path) -> None:
     policy = NetworkPolicy.load(folder / "policy.npz")
+    assert policy.observation is not None
     seen = []
     for pad in (True, False):
         seeing = replace(policy.observation, pad=pad)

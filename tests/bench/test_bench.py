@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from fgenv.bench.peers import installed, peer
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
 
-def test_a_record_holds_every_number(tmp_path: pytest.TempPathFactory) -> None:
+def test_a_record_holds_every_number(tmp_path: Path) -> None:
     names = installed()
     assert names[:2] == ["fgenv", "python-fcl"]
     (record,) = bench_pairs(which="panda link5", peers=names, poses=60)

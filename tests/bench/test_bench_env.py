@@ -212,7 +212,8 @@ def test_the_command_gives_one_document(clock: Clock, monkeypatch: pytest.Monkey
     made = [LIBRARIES[0], clock.peer("VMAS", 8e-3)]
     monkeypatch.setattr(libraries, "installed", lambda: made)
     monkeypatch.setattr(libraries, "versions", lambda: {"fgenv": "1", "vmas": "2"})
-    monkeypatch.setattr(bench_env, "__kwdefaults__", {**bench_env.__kwdefaults__, "clock": clock})
+    defaults = dict(bench_env.__kwdefaults__ or {}, clock=clock)
+    monkeypatch.setattr(bench_env, "__kwdefaults__", defaults)
     done = CliRunner().invoke(app, ["bench", "env", "--quick", "--json", "--seed", "3"])
     assert done.exit_code == 0
     said = json.loads(done.stdout)

@@ -4,6 +4,7 @@ import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace as Namespace
+from typing import Any
 
 import pytest
 
@@ -24,7 +25,7 @@ def test_what_comes_along_has_a_goal_and_a_safe_row() -> None:
 
 
 def test_more_than_orca_is_wanted_only_where_it_is_said() -> None:
-    found = Namespace(
+    found: Any = Namespace(
         cases=Namespace(id=""),
         scores={name: score(share) for name, share in (("orca", 0.98), ("mine", 0.97))},
     )

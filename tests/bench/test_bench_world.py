@@ -65,8 +65,8 @@ def test_quaternions_are_the_rotations() -> None:
     from fgenv.bench.common.poses import random_rotations
 
     turns = random_rotations(np.random.default_rng(2), 500)
-    w, *v = quaternions(turns).T
-    v = np.stack(v, axis=-1)
+    w, *vector = quaternions(turns).T
+    v = np.stack(vector, axis=-1)
     x = np.array([0.3, -0.5, 0.8])
     assert np.allclose(x + 2 * np.cross(v, np.cross(v, x) + w[:, None] * x), turns @ x)
 

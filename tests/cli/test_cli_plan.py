@@ -157,7 +157,8 @@ def test_a_file_that_is_no_plan_is_2(shell: Shell) -> None:
 
 def test_an_interrupted_search_keeps_the_best_plan(tmp_path: Path) -> None:
     limits = "--planner", "RRTstar", "--method", "composite", "--time-limit", "60"
-    command = [SCRIPT, "plan", "swap", "--n", "2", *limits, "--out", tmp_path / "p.npz"]
+    out_file = str(tmp_path / "p.npz")
+    command = [str(SCRIPT), "plan", "swap", "--n", "2", *limits, "--out", out_file]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         wait_for_cpu(run, 5.0)
         run.send_signal(signal.SIGINT)

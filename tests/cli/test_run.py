@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.GifImagePlugin import GifImageFile
 from support.episodes import alone
 from support.shell import Shell
 
@@ -96,6 +97,7 @@ def test_record_and_movie_are_of_the_run(shell: Shell, tmp_path: Path) -> None:
     facts = json.loads(json.dumps(Results.of(replay(record)).facts))
     assert data["robots"] == facts["robots"]
     with Image.open(files[1]) as movie:
+        assert isinstance(movie, GifImageFile)
         assert (movie.size, movie.n_frames) == ((480, 360), 3)  # at 0, 0.2 and 0.3 s
 
 
@@ -170,7 +172,7 @@ def test_invalid_actions_of_a_policy_are_errors(
     shell: Shell, bad: Any, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Bad(GoToPolicy):
-        def act(self, observations: np.ndarray) -> np.ndarray:
+        def act(self, observations: np.ndarray) -> Any:
             return bad
 
     monkeypatch.setitem(POLICIES, "bad", lambda argument, seed: Bad())
@@ -209,7 +211,8 @@ def test_frames_are_in_real_time_and_include_the_end(record: Record) -> None:
 
 def test_vanished_robots_are_not_drawn(record: Record) -> None:
     first, again, last = frames_of(record, [0, 0, len(record)], 64, 48)
-    assert (first.shape, first.dtype) == ((48, 64, 3), np.uint8)
+    assert first.shape == (48, 64, 3)
+    assert first.dtype == np.uint8
     np.testing.assert_array_equal(first, again)
     assert (record["status"][-1] == 2).all()
     spread = [np.ptp(frame.astype(int), axis=2).max() for frame in (first, last)]
@@ -228,6 +231,7 @@ def test_a_gif_shows_the_frames_for_their_time(tmp_path: Path) -> None:
     path, frames = tmp_path / "m.gif", moving(8)
     assert write_movie(path, iter(frames), fps=8) == 8
     with Image.open(path) as movie:
+        assert isinstance(movie, GifImageFile)
         assert (movie.n_frames, movie.info["duration"], movie.info["loop"]) == (8, 120, 0)
         for k, frame in enumerate(frames):
             movie.seek(k)
@@ -254,14 +258,15 @@ def test_a_failed_movie_keeps_the_old_file(tmp_path: Path, suffix: str) -> None:
         pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / f"m{suffix}"
     path.write_text("before")
-    for frames, message in (
+    cases: tuple[tuple[list[Any], str], ...] = (
         ([], "frames: got none"),
         (
             [*moving(2), *moving(1, 32)],
             r"frame: got uint8 \(48, 32, 3\), expected uint8 \(48, 64, 3\)",
         ),
         ([np.zeros((48, 64, 3))], "frame: got float64"),
-    ):
+    )
+    for frames, message in cases:
         with pytest.raises(ValueError, match=message):
             write_movie(path, iter(frames))
         assert path.read_text() == "before"

@@ -374,7 +374,7 @@ def test_distances_of_what_is_very_far_are_finite(far: float) -> None:
 @pytest.mark.parametrize("width", [1e-170, 5e-324])
 def test_a_needle_too_thin_for_a_normal_counts_as_flat(width: float) -> None:
     """Its boxes had no axes, and most of its contacts were missed."""
-    needle = [[0, 0, 0], [0, 0, width], [0, 1, -4]]
+    needle = [[0.0, 0, 0], [0, 0, width], [0.0, 1, -4]]
     with pytest.raises(ValueError, match="zero area"):
         Shape(needle, [[0, 2, 1]])
     vertices, faces = box(1.0)

@@ -46,7 +46,7 @@ class Jury:
 
     def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Floats:
         def judge(poses: Floats) -> NDArray[np.bool_]:
-            return collide(self.a, self.pose_a, self.b, poses, threads=1)
+            return np.asarray(collide(self.a, self.pose_a, self.b, poses, threads=1))
 
         meshes = self.mesh_a, self.mesh_b
         return random_poses_batched(*meshes, self.pose_a, count, judge, rng, decades)
@@ -58,7 +58,7 @@ class Jury:
             ("python-fcl", self.fcl.collide_all(self.poses)),
             ("coal", coal_verdicts(self.mesh_a, self.mesh_b, self.pose_a, self.poses)),
         ):
-            for i in np.flatnonzero(verdicts != self.verdicts):
+            for i in np.flatnonzero(verdicts != self.verdicts).tolist():
                 self.disputes[f"{name}, {self.kind(i)}"] += 1
                 if not self.is_right(i):
                     found.append(f"{name}: pose {i} {self.poses[i].tolist()}")

@@ -6,6 +6,7 @@ import itertools
 import math
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -124,7 +125,7 @@ def test_borders_are_features() -> None:
 
 def test_an_edge_of_three_faces_is_a_feature() -> None:
     """Two coplanar triangles and a third that stands on their common edge."""
-    vertices = [[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, -1, 0], [0.5, 0, 1]]
+    vertices = [[0.0, 0, 0], [1.0, 0, 0], [0.5, 1, 0], [0.5, -1, 0], [0.5, 0, 1]]
     two, three = [[0, 1, 2], [1, 0, 3]], [[0, 1, 2], [1, 0, 3], [0, 1, 4]]
     assert len(FeatureGraph(vertices, two).edges) == 4
     graph = FeatureGraph(vertices, three)
@@ -136,7 +137,7 @@ def test_an_edge_of_three_faces_is_a_feature() -> None:
 
 
 def test_faces_folded_flat_onto_each_other_end_at_their_edge() -> None:
-    leaf = [[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.4, 0.8, 0]]
+    leaf = [[0.0, 0, 0], [1.0, 0, 0], [0.5, 1, 0], [0.4, 0.8, 0]]
     graph = FeatureGraph(leaf, [[0, 1, 2], [1, 0, 3]])
     assert [sorted(edge) for edge in graph.edges.tolist()].count([0, 1]) == 1
 
@@ -156,7 +157,7 @@ def test_exact_drops_flat_edges_only() -> None:
     [box(1.0), ball(1.0, 1), angle_iron(), opened(bowl())],
     ids=["box", "ball", "L", "bowl"],
 )
-def test_the_packed_matrix_is_that_of_the_edges(solid: Solid, chosen: dict[str, object]) -> None:
+def test_the_packed_matrix_is_that_of_the_edges(solid: Solid, chosen: dict[str, Any]) -> None:
     graph = FeatureGraph(*solid, **chosen)
     n = len(graph.points)
     dense = np.zeros((n, n), np.bool_)
@@ -171,7 +172,7 @@ def test_the_packed_matrix_is_that_of_the_edges(solid: Solid, chosen: dict[str, 
 
 
 @pytest.mark.parametrize("chosen", METHODS, ids=str)
-def test_a_shape_carries_the_graph_of_its_mesh(chosen: dict[str, object]) -> None:
+def test_a_shape_carries_the_graph_of_its_mesh(chosen: dict[str, Any]) -> None:
     of_shape, alone = Shape(*angle_iron(), **chosen).graph, FeatureGraph(*angle_iron(), **chosen)
     assert (of_shape.points == alone.points).all()
     assert (of_shape.edges == alone.edges).all()
@@ -257,7 +258,7 @@ def mixed(truth: tuple[Shape, Shape], poses: Floats) -> tuple[Shape, Floats, Sha
     ],
     ids=str,
 )
-def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, float]) -> None:
+def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, Any]) -> None:
     """Never a false hit; the deepest sampled point of a missed overlap is within the bound."""
     meshes = pair.load()
     size = min(mesh.size for mesh in meshes)
@@ -267,7 +268,7 @@ def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, floa
     exact_a, exact_b = (Shape(m.vertices, m.faces) for m in meshes)
 
     def judge(poses: Floats) -> NDArray[np.bool_]:
-        return collide(exact_a, HERE, exact_b, poses, threads=1)
+        return np.asarray(collide(exact_a, HERE, exact_b, poses, threads=1))
 
     rng = np.random.default_rng(3)
     poses = random_poses_batched(*meshes, HERE, 300, judge, rng, (-3.0, 0.0))
@@ -304,7 +305,7 @@ def test_a_bump_that_sticks_out_does_not_hide_a_contained_body() -> None:
 
 
 @pytest.mark.parametrize("chosen", [{"method": "crease"}, {"tolerance": 0.05}], ids=str)
-def test_containment_is_seen_by_every_sound_method(chosen: dict[str, object]) -> None:
+def test_containment_is_seen_by_every_sound_method(chosen: dict[str, Any]) -> None:
     outer, inner = Shape(*box(2.0), **chosen), Shape(*box(0.3), **chosen)
     assert collide(outer, HERE, inner, HERE)
     assert collide(inner, HERE, outer, HERE)
@@ -328,7 +329,7 @@ def test_unmerged_vertices_become_one() -> None:
 
 
 def test_negative_zero_is_zero() -> None:
-    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, 0, -0.0], [0, 1, 0], [1, 0, 0]]
+    vertices = [[0.0, 0, 0], [1.0, 0, 0], [0.0, 1, 0], [-0.0, 0, -0.0], [0.0, 1, 0], [1.0, 0, 0]]
     shape = Shape(vertices, [[0, 1, 2], [3, 4, 5]])
     assert len(shape.vertices) == 3
 

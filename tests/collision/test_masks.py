@@ -439,7 +439,8 @@ def test_masks_are_for_planning_only() -> None:
     robot, wall = world.add(CUBE), world.add(CUBE, at(0.0, 9.0))
     world.set_path(robot, [HERE, at(9.0)])
     other = world.add(CUBE, at(0.0, 9.5))
-    assert world.clearance(robot, HERE) == (8.0, wall)
+    nearest = world.clearance(robot, HERE)
+    assert (float(nearest.distance), int(nearest.body)) == (8.0, wall)
     assert world.contact_pairs().tolist() == [[wall, other]]
     assert world.raycast([0, 0, 0], [0, 1, 0], ignore=robot).body == wall
 

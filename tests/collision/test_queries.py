@@ -146,7 +146,8 @@ def test_a_gap_as_small_as_rounding_has_a_distance(gap: float) -> None:
     rng = np.random.default_rng(4)
     slab = Shape(*box(1e3, 1e3, 1.0))
     for place in (somewhere(rng) for _ in range(40)):
-        aside = at(*rng.uniform(-300.0, 300.0, 2), 1.0 + gap)
+        x, y = rng.uniform(-300.0, 300.0, 2)
+        aside = at(x, y, 1.0 + gap)
         found = distance(slab, place, slab, place @ aside)
         assert found == pytest.approx(gap, abs=1e-9)
 
@@ -241,14 +242,14 @@ def test_contains_is_the_solid_angle(scene: Scene) -> None:
 def test_contains_in_simple_solids() -> None:
     for solid in (ball(1.0), inverted(ball(1.0))):
         round_ = Shape(*solid)
-        assert round_.contains([[0, 0, 0], [0.9, 0, 0], [1.1, 0, 0], [0, 0, 1.0]]).tolist() == [
+        assert round_.contains([[0.0, 0, 0], [0.9, 0, 0], [1.1, 0, 0], [0, 0, 1.0]]).tolist() == [
             True,
             True,
             False,
             True,  # a vertex: the surface counts
         ]
     hollow = Shape(*together(ball(1.0), inverted(ball(0.5))))
-    assert hollow.contains([[0, 0, 0], [0.7, 0, 0]]).tolist() == [False, True]
+    assert hollow.contains([[0.0, 0, 0], [0.7, 0, 0]]).tolist() == [False, True]
     assert Shape(*bowl()).contains([[0, 0, 0.5], [0, 0, 0.05]]).tolist() == [False, True]
 
 
@@ -321,7 +322,7 @@ def nearest_hits(
 def test_rays_known_on_paper() -> None:
     cube = Shape(*box(2.0))
     rays = (
-        [[-5, 0.1, 0.2], [0, 0, 0], [-5, 3, 0], [-5, 0, 0]],
+        [[-5, 0.1, 0.2], [0.0, 0, 0], [-5.0, 3, 0], [-5.0, 0, 0]],
         [[1, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 0, 0]],
     )
     found, face = cube.raycast(*rays)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -126,7 +129,7 @@ def test_robots_stop_too(seed: int) -> None:
         pass
     world = World()
     ids: list[int] = []
-    q: list[Floats] = []
+    placed: list[Floats] = []
     for _ in range(8):
         me = world.add_robot(robot)
         for _ in range(40):
@@ -138,14 +141,14 @@ def test_robots_stop_too(seed: int) -> None:
             continue
         world.set_configuration(me, here)
         ids.append(me)
-        q.append(here)
-    q = np.array(q).reshape(len(ids), robot.nq)
+        placed.append(here)
+    q = np.array(placed).reshape(len(ids), robot.nq)
     assert world.contact_pairs().tolist() == []
     for _ in range(5):
         ends = robot.random(rng, len(ids))
         found = world.advance(ids, ends)
         q = robot.interpolate(q, ends, found.free_until)
-        assert (q == [world.configuration(me) for me in ids]).all()
+        assert (q == np.array([world.configuration(me) for me in ids])).all()
         assert world.contact_pairs().tolist() == []
 
 
@@ -178,14 +181,16 @@ def test_turning_on_the_spot_in_a_crowd() -> None:
 
 def test_what_is_wrong_is_told() -> None:
     world, ids = line(0.0, 2.0)
-    for ask, words in (
+    one: Any = 0
+    cases: list[tuple[Callable[[], object], str]] = [
         (lambda: world.advance([0, 0], [HERE, HERE]), "robots: body 0 is named twice"),
-        (lambda: world.advance(0, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(one, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
         (lambda: world.advance(ids, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
         (lambda: world.advance([0, 7], [HERE, HERE]), "robots: no body 7"),
         (lambda: world.advance(ids, [HERE, 2 * HERE]), r"end\[1\]"),
         (lambda: world.advance(ids, [HERE, HERE], tolerance=0.0), "tolerance"),
-    ):
+    ]
+    for ask, words in cases:
         with pytest.raises(ValueError, match=words):
             ask()
     assert world.poses(ids)[:, 0, 3].tolist() == [0.0, 2.0]

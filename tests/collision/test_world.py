@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import itertools
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,7 +91,8 @@ def test_ids_in_every_form_mean_the_same() -> None:
     rows = np.stack([at(x) for x in range(4)])
     for same in (ids, tuple(ids), np.array(ids), np.array(ids, np.uint8), world.ids, world.names):
         assert (world.poses(same) == rows).all()
-    for one in (2, np.int64(2), np.array(2), "cube 2"):
+    several: tuple[Any, ...] = (2, np.int64(2), np.array(2), "cube 2")
+    for one in several:
         assert world.poses(one).shape == (4, 4)
         assert (world.poses(one) == at(2)).all()
     assert world.poses([2]).shape == (1, 4, 4)
@@ -121,7 +123,8 @@ def test_any_iterable_of_bodies_may_ask_the_world_itself() -> None:
     """Python code that runs while a call reads its arguments must not meet the call's lock."""
     world = World()
     ids = [world.add(CUBE) for _ in range(3)]
-    world.set_pose((i for i in ids if world.mask(i) == 0), at(1.0))
+    lazy: Any = (i for i in ids if world.mask(i) == 0)
+    world.set_pose(lazy, at(1.0))
     assert (world.poses(ids)[:, 0, 3] == 1.0).all()
 
 
@@ -241,9 +244,9 @@ def test_equally_near_bodies_are_told_apart_by_id() -> None:
         for i in order:
             world.set_pose(others[i], at(3.0))
         found = world.clearance(robot, HERE)
-        assert (found.distance, found.body) == (2.0, others[0])
+        assert (float(found.distance), int(found.body)) == (2.0, others[0])
         hit = world.raycast([0.0, 0.1, 0.2], [1.0, 0.0, 0.0], ignore=robot)
-        assert (hit.distance, hit.body) == (2.5, others[0])
+        assert (float(hit.distance), int(hit.body)) == (2.5, others[0])
 
 
 def test_poses_and_times_broadcast() -> None:
@@ -304,13 +307,14 @@ def test_rays_meet_the_nearest_body(seed: int) -> None:
     }
     named = {name: world.record(name).id for name in ("one", "two")}
     most = list(model.items)[:-1]
-    for ignore, skipped in (
+    cases: list[tuple[Any, Sequence[int]]] = [
         (None, ()),
         (4, (4,)),
         ("two", (named["two"],)),
         ([0, "one", 9, 0], (0, named["one"], 9)),
         (np.array(most), most),
-    ):
+    ]
+    for ignore, skipped in cases:
         left = {body: hits for body, hits in expected.items() if body not in skipped}
         nearest = np.min(list(left.values()), axis=0)
         found = world.raycast(origins, directions, ignore=ignore)
@@ -330,7 +334,9 @@ def test_rays_broadcast_and_may_be_long() -> None:
     world = World()
     assert world.raycast([0, 0, 0], [1, 0, 0]).body == -1
     wall = world.add(CUBE, at(1e6))
-    found = world.raycast(np.zeros((2, 1, 3)), [[1, 0, 0], [0, 1, 0], [1e-9, 0, 0], [1, 1e-7, 0]])
+    found = world.raycast(
+        np.zeros((2, 1, 3)), [[1.0, 0, 0], [0.0, 1, 0], [1e-9, 0, 0], [1, 1e-7, 0]]
+    )
     assert found.distance.shape == found.body.shape == (2, 4)
     assert found.body[1].tolist() == [wall, -1, wall, wall]
     assert found.distance[0, 0] == pytest.approx(1e6 - 0.5, rel=1e-15)
@@ -350,7 +356,8 @@ def test_allowed_contacts_are_no_collision() -> None:
     world.allow(a, c)
     assert not world.collides(a, HERE)
     assert world.check_motion(a, HERE, at(1.0))
-    assert world.clearance(a, HERE) == (np.inf, -1)
+    nearest = world.clearance(a, HERE)
+    assert (float(nearest.distance), int(nearest.body)) == (np.inf, -1)
     assert world.check_motions([a, b], [HERE, HERE], [HERE, HERE]).other.tolist() == [-1, c]
     world.allow(a, b, False)
     world.allow(c, a, allowed=False)
@@ -492,10 +499,10 @@ def test_published_masks_are_those_of_the_reference(seed: int) -> None:
     rng = np.random.default_rng(seed)
     world, model = scatter(rng, 30, 1.0, masks="published")
     nodes = [
-        method.Node(body, f"{body}", item.shape.vertices, item.shape.faces, item.pose)
+        method.Node(body, f"{body}", item.shape.vertices, item.shape.faces.astype(int), item.pose)
         for body, item in model.items.items()
     ]
-    path = wander(rng, rng.integers(1, 4), 1.0)
+    path = wander(rng, int(rng.integers(1, 4)), 1.0)
     found = world.set_path(0, path)
     method.set_masks(nodes, nodes[0], path[:, :3, 3])
     assert [world.mask(node.id) for node in nodes] == [node.collision_mask for node in nodes]
@@ -696,4 +703,5 @@ def test_open_shapes_hold_nothing() -> None:
     assert world.clearance(pebble, HERE).body == tray
     shut = world.add(CUBE)
     assert world.collides(pebble, at(0.1))
-    assert world.clearance(pebble, HERE) == (0.0, shut)
+    nearest = world.clearance(pebble, HERE)
+    assert (float(nearest.distance), int(nearest.body)) == (0.0, shut)

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -103,7 +104,7 @@ def test_queries_run_side_by_side_on_one_world() -> None:
     def work(seed: int) -> None:
         assert answers(world, seed, threads=1 + seed % 2) == expected[seed]
 
-    together(*(times(8, lambda seed=seed: work(seed)) for seed in range(4)))
+    together(*(times(8, partial(work, seed)) for seed in range(4)))
 
 
 def test_threads_on_worlds_of_their_own() -> None:
@@ -126,7 +127,7 @@ def test_threads_on_worlds_of_their_own() -> None:
     for seed in range(4):
         life(seed, alone)
     side_by_side: dict[int, list[bytes]] = {}
-    together(*(lambda seed=seed: life(seed, side_by_side) for seed in range(4)))
+    together(*(partial(life, seed, side_by_side) for seed in range(4)))
     assert side_by_side == alone
 
 
@@ -136,7 +137,7 @@ def test_a_change_is_seen_whole_or_not_at_all() -> None:
     pair = [world.add(CUBE), world.add(CUBE, at(5.0))]
     feeler = world.add(Shape(*ball(0.1)), at(0.0, 50.0))
     stop = threading.Event()
-    seen = []
+    seen: list[int] = []
 
     def swap() -> None:
         places = np.stack([HERE, at(5.0)])
@@ -258,7 +259,8 @@ def test_what_a_world_tells_is_of_one_moment(
     world = World()
     for i in range(3):
         world.add(CUBE, at(2.0 * i))
-    world._core = Removing(world._core, after, 1)
+    core: Any = Removing(world._core, after, 1)
+    world._core = core
     assert tell(world) == (6 if what == "record" else 3)
 
 

@@ -69,7 +69,7 @@ def digest(threads: int) -> str:
         simulator = Simulator(name, worlds, threads=threads, max_steps=30, **ways)
         found.update(simulator.reset(seed=1).tobytes())
         for _ in range(45):
-            arrays = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
+            arrays: list[Any] = [*simulator.step(simulator.sample(rng)), simulator.hit_points]
             for array in [*arrays, simulator.clearances, simulator.configurations]:
                 found.update(array.tobytes())
     env = fgenv.parallel_env("swap", n=4, jitter=0.5, max_cycles=30, threads=threads)

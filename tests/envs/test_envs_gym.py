@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import functools
 import importlib
 import pickle
 import subprocess
@@ -23,8 +22,14 @@ from fgenv.scenarios.library import ENTRIES
 
 DRIVEN = [name for name in ENTRIES if Scenario.load(name).build().robots[0].drive is not None]
 WAYS: dict[str, Any] = {"n": 4, "starts": "random", "threads": 1}
-single = functools.partial(FleetEnv, "swap", **WAYS)
-vector = functools.partial(FleetVectorEnv, "swap", **WAYS)
+
+
+def single(**options: Any) -> FleetEnv:
+    return FleetEnv("swap", **WAYS | options)
+
+
+def vector(num_envs: int, **options: Any) -> FleetVectorEnv:
+    return FleetVectorEnv("swap", num_envs, **WAYS | options)
 
 
 class Straight:
@@ -119,6 +124,7 @@ def test_worlds_equal_single_environments() -> None:
     rows, infos = one.reset(seed=11)
     assert np.array_equal(rows, other.reset(seed=11)[0])
     ends = 0
+    mine: list[Any]
     for _ in range(20):
         actions = rng.uniform(-1, 1, (5, 2)).astype(np.float32)
         *mine, infos = one.step(actions)
@@ -169,7 +175,7 @@ def test_copies_continue_identically() -> None:
     env.reset(seed=0)
     env.step(np.ones((3, 2)))
     made = [copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    steps = [env.step(np.full((3, 2), 0.5)) for _ in range(8)]
+    steps: list[Any] = [env.step(np.full((3, 2), 0.5)) for _ in range(8)]
     for other in made:
         for expected in steps:
             for a, b in zip(expected[:4], other.step(np.full((3, 2), 0.5))[:4], strict=True):

@@ -263,7 +263,8 @@ def test_pictures() -> None:
     env.reset(seed=0)
     frame = env.render()
     assert frame is not None
-    assert (frame.shape, frame.dtype) == ((360, 480, 3), np.uint8)
+    assert frame.shape == (360, 480, 3)
+    assert frame.dtype == np.uint8
     assert np.ptp(frame) > 100
     other = parallel()
     other.reset()

@@ -38,11 +38,11 @@ def _coal(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> tuple[Checker, flo
     """A checker in units of which the bodies measure a million; a power of two changes no digit."""
     coal = peer("coal")
     unit = 2.0 ** round(np.log2(1e6 / max(a.size, b.size)))
-    models = [coal.build(Mesh(m.name, m.vertices * unit, m.faces)) for m in (a, b)]
+    model_a, model_b = (coal.build(Mesh(m.name, m.vertices * unit, m.faces)) for m in (a, b))
     pose_a, poses = pose_a.copy(), poses.copy()
     pose_a[:3, 3] *= unit
     poses[:, :3, 3] *= unit
-    return coal.pair(*models, pose_a), unit, poses
+    return coal.pair(model_a, model_b, pose_a), unit, poses
 
 
 def surfaces_meet(a: Mesh, pose_a: Floats, b: Mesh, pose_b: Floats) -> bool:
@@ -74,7 +74,7 @@ def is_inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
         )
         whole = np.abs(angle - np.round(angle)) < 1e-6
         turns += np.where(whole, np.round(angle), 0).astype(np.int64)
-    return turns != 0
+    return np.asarray(turns != 0)
 
 
 def one_is_inside(a: Shape, pose_a: Floats, b: Shape, pose_b: Floats) -> bool:
@@ -107,4 +107,4 @@ def is_marginal(a: Mesh, pose_a: Floats, b: Mesh, pose_b: Floats) -> bool:
 def distances_to_surface(shape: Shape, points: Floats) -> Floats:
     """Distances (n,) of points of the shape's frame to its surface, by libigl."""
     squared = igl.point_mesh_squared_distance(points, shape.vertices, shape.faces.astype(np.int64))
-    return np.sqrt(np.atleast_1d(squared[0]))
+    return np.asarray(np.sqrt(np.atleast_1d(squared[0])))

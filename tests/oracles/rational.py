@@ -86,8 +86,8 @@ def segment_meets(p: Point, q: Point, triangle: Triangle) -> bool:
         return inside or any(segments_meet(start, end, *side) for side in sides)
     # The crossing is (p at_q - q at_p) / (at_q - at_p): bring all to that denominator.
     scale = at_q - at_p
-    crossing = tuple(at_q * p[i] - at_p * q[i] for i in range(3))
-    return in_triangle(flat(crossing), (flat(a, scale), flat(b, scale), flat(c, scale)))
+    x, y, z = (at_q * p[i] - at_p * q[i] for i in range(3))
+    return in_triangle(flat((x, y, z)), (flat(a, scale), flat(b, scale), flat(c, scale)))
 
 
 def triangles_meet(first: Triangle, second: Triangle) -> bool:
@@ -103,14 +103,16 @@ def world_points(vertices: Floats, pose: Floats, bits: int) -> list[Point]:
     """Exact `pose` times `vertices`, in units of 2**-bits meters."""
     rows = [[_whole(pose[i, j], bits // 2) for j in range(3)] for i in range(3)]
     shift = [_whole(pose[i, 3], bits) for i in range(3)]
-    points = ([_whole(value, bits // 2) for value in vertex] for vertex in vertices)
-    return [
-        tuple(
+
+    def moved(vertex: Floats) -> Point:
+        point = [_whole(value, bits // 2) for value in vertex]
+        x, y, z = (
             sum(r * v for r, v in zip(row, point, strict=True)) + t
             for row, t in zip(rows, shift, strict=True)
         )
-        for point in points
-    ]
+        return x, y, z
+
+    return [moved(vertex) for vertex in vertices]
 
 
 def _whole(value: float, bits: int) -> int:
@@ -137,7 +139,8 @@ def meshes_meet(
 ) -> bool:
     """Whether two surfaces share a point. Faces without area are left out."""
     bits = 2 * _bits(vertices_a, vertices_b, pose_a, pose_b)
-    points_a, points_b = {}, {}
+    points_a: dict[int, Point] = {}
+    points_b: dict[int, Point] = {}
 
     def exact(
         points: dict[int, Point], vertices: Floats, pose: Floats, face: NDArray[np.int32]
@@ -206,4 +209,4 @@ def _not_parted(triangle: Floats, others: Floats, slack: float) -> NDArray[np.bo
     edge = np.abs(triangle - triangle[0]).max()
     far = max(edge, np.abs(others - triangle[0]).max())
     allow = 8.0 * slack * (1.0 + edge * far / length)
-    return (height.min(axis=1) <= allow) & (height.max(axis=1) >= -allow)
+    return np.asarray((height.min(axis=1) <= allow) & (height.max(axis=1) >= -allow))

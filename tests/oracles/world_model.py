@@ -27,7 +27,7 @@ def shapes() -> tuple[Shape, ...]:
         made = [box(0.5), ball(0.3), angle_iron(0.6, 0.15, 0.4), opened(box(0.5, 0.4, 0.3))]
         for pair in pairs(2, largest=1000, seed=21):
             mesh = pair.load()[0]
-            made.append((mesh.vertices * (0.6 / mesh.size), mesh.faces))
+            made.append((mesh.vertices * (0.6 / mesh.size), mesh.faces.astype(np.int64)))
         return tuple(Shape(*solid) for solid in made)
 
 

@@ -99,7 +99,7 @@ def test_obb_contains_the_mesh_and_agrees_with_fcl(pair: tuple[Mesh, Mesh]) -> N
     obb, found = Obb(*pair), []
     bounds = [Obb._bound(mesh) for mesh in pair]
     for mesh, (box, half) in zip(pair, bounds, strict=True):
-        local = move(np.linalg.inv(box), mesh.vertices)
+        local = move(np.asarray(np.linalg.inv(box), float), mesh.vertices)
         assert (np.abs(local) <= half + 1e-12).all()
         assert (local.max(axis=0) > half - 1e-9).all()
         assert 8 * half.prod() <= np.ptp(mesh.vertices, axis=0).prod() * (1 + 1e-9)

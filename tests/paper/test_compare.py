@@ -33,11 +33,11 @@ def row(result: PairResult, method: str) -> Row:
 
 def test_winding_numbers_of_nested_shells() -> None:
     outer, inner = trimesh.creation.box(), trimesh.creation.icosphere(2, 0.3)
-    both = body(trimesh.util.concatenate([outer, inner]))
+    both = body(outer + inner)
     points = np.array([[0.0, 0, 0], [0.4, 0.4, 0.4], [0.6, 0, 0], [5, 5, 5]])
     assert winding_numbers(points, both) == pytest.approx([2, 1, 0, 0], abs=1e-9)
     inner.invert()
-    hollow = body(trimesh.util.concatenate([outer, inner]))
+    hollow = body(outer + inner)
     assert winding_numbers(points, hollow) == pytest.approx([0, 1, 0, 0], abs=1e-9)
     assert len(part_points(hollow)) == 2
 
@@ -60,7 +60,7 @@ def test_truth_includes_containment_both_ways_and_of_each_part() -> None:
     assert not Truth(ball, core, at).touches(at)
     far = trimesh.creation.icosphere(1, 0.1)
     far.apply_translation((3, 0, 0))
-    pair = body(trimesh.util.concatenate([far, trimesh.creation.icosphere(1, 0.1)]))
+    pair = body(far + trimesh.creation.icosphere(1, 0.1))
     assert Truth(ball, pair, at).collides(at)
     open_ball = Mesh("", ball.vertices, ball.faces[1:])
     assert not Truth(open_ball, core, at).collides(at)

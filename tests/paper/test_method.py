@@ -100,11 +100,11 @@ def test_turning_the_surface_inside_out_swaps_valleys_and_ridges() -> None:
 def test_a_tie_with_the_threshold_is_no_feature(sides: int) -> None:
     prism = arrays(trimesh.creation.cylinder(1.0, 1.0, sections=sides))
     turn = 2 * pi / sides
-    at, below = ({"alpha_ridge": pi + angle} for angle in (turn, turn - 1e-6))
-    upright = [(a, b) for a, b, _ in method.feature_edges(*prism, **at)]
+    at, below = pi + turn, pi + turn - 1e-6
+    upright = [(a, b) for a, b, _ in method.feature_edges(*prism, alpha_ridge=at)]
     heights = prism[0][np.array(upright)][..., 2]
     assert (np.ptp(heights, axis=1) < 0.5).all()  # the two rims alone
-    assert len(method.feature_edges(*prism, **below)) == len(upright) + sides
+    assert len(method.feature_edges(*prism, alpha_ridge=below)) == len(upright) + sides
 
 
 def test_feature_points_are_in_the_order_of_faces_and_edges() -> None:
@@ -248,11 +248,11 @@ SEGMENTS = [
 
 @pytest.mark.parametrize(("p1", "p2", "hit"), SEGMENTS)
 def test_segment_against_face(p1: list[float], p2: list[float], hit: bool) -> None:
-    ends = np.array([p1, p2], float)
+    a, b = np.array([p1, p2], float)
     for corners in (TRIANGLE, TRIANGLE[:, ::-1], np.roll(TRIANGLE, 1, axis=1)):
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        assert method.segment_hits(*ends, corners, normals).tolist() == [hit]
-        assert method.segment_hits(*ends[::-1], corners, normals).tolist() == [hit]
+        assert method.segment_hits(a, b, corners, normals).tolist() == [hit]
+        assert method.segment_hits(b, a, corners, normals).tolist() == [hit]
 
 
 def all_pairs(mover: Node, target: Node) -> bool:

@@ -12,7 +12,7 @@ from support.planar import Configuration, Fcl, box, planar_problem
 
 from fgenv.paper import rrt_connect as module
 from fgenv.paper.rrt_connect import rrt_connect
-from fgenv.planners import Certificate, PlanningError, Problem, certify
+from fgenv.planners import Certificate, PlanningError, Problem, StateValidityChecker, certify
 
 SQUARE = ((-2.0, -2.0), (2.0, 2.0))
 START, GOAL = (-1.5, 0.0, 0.0), (1.5, 0.0, 0.0)
@@ -101,7 +101,7 @@ def test_no_path_ends_in_time_and_says_so() -> None:
 def test_an_error_in_a_check_is_raised(
     error: type[BaseException], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Checker(module.StateValidityChecker):
+    class Checker(StateValidityChecker):
         error: BaseException | None = None
 
         def __init__(self, *args: Any, **options: Any) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,10 @@ from fgenv.planners.sipp.intervals import safe_intervals
 from fgenv.planners.sipp.sipp import SearchBudget, sipp
 from fgenv.scenarios import Scenario
 
-METHODS = {"prioritized": plan_prioritized, "conflict_based": plan_conflict_based}
+METHODS: dict[str, Callable[[Problem, float], Solution]] = {
+    "prioritized": plan_prioritized,
+    "conflict_based": plan_conflict_based,
+}
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("swap", {"n": 4}),
     ("swap", {"n": 4, "body": "long"}),
@@ -79,7 +82,10 @@ def test_the_same_seed_gives_the_same_paths(method: str) -> None:
     one, two = (
         METHODS[method](Problem.from_scenario("doorway", n=4, seed=3), 30.0) for _ in range(2)
     )
-    assert all(np.array_equal(a, b) for a, b in zip(one.paths, two.paths, strict=True))
+    for a, b in zip(one.paths, two.paths, strict=True):
+        assert a is not None
+        assert b is not None
+        assert np.array_equal(a, b)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from ompl import geometric as og
 from ompl import util as ou
 
 from fgenv import _core
+from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.planners import (
     PLANNERS,
@@ -37,7 +39,7 @@ from fgenv.robots import Car, DifferentialDrive, Robot
 from fgenv.scenarios import Scenario
 
 ou.setLogLevel(ou.LOG_NONE)
-AT = trimesh.transformations.translation_matrix
+AT: Callable[[list[float]], Floats] = trimesh.transformations.translation_matrix
 
 
 def box(*size: float) -> Shape:
@@ -114,7 +116,7 @@ def test_a_cars_path_has_the_length_of_ompls_and_reaches_the_goal(way: str) -> N
 def test_turn_drive_turn_chooses_the_direction_with_less_turning() -> None:
     robot = cart(DifferentialDrive(speed=1.0, turn_rate=1.0))
     forwards = robot.steer([0, 0, 0.2], [2, 0, -0.2])
-    assert np.allclose(forwards, [[0, 0, 0.2], [0, 0, 0], [2, 0, 0], [2, 0, -0.2]])
+    assert np.allclose(forwards, [[0, 0, 0.2], [0.0, 0, 0], [2.0, 0, 0], [2, 0, -0.2]])
     back = robot.steer([0, 0, 3.0], [2, 0, 3.0])
     assert np.allclose(np.abs(back[1:3, 2]), np.pi)
     assert len(robot.steer([0, 0, 0], [0, 0, 1])) == 2
@@ -220,7 +222,7 @@ def test_meet_agrees_with_check_motions() -> None:
     rng = np.random.default_rng(4)
     q = rng.uniform(-1, 1, (300, 4, 3))
     met = problem.world.motions_collide(
-        *[problem.robot_ids[0], q[:, 0], q[:, 1], problem.robot_ids[1], q[:, 2], q[:, 3]]
+        problem.robot_ids[0], q[:, 0], q[:, 1], problem.robot_ids[1], q[:, 2], q[:, 3]
     )
     empty = World()
     ids = [empty.add_robot(m, name=n) for m, n in zip(problem.models, problem.names, strict=True)]

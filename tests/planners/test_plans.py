@@ -27,7 +27,6 @@ from fgenv.planners.timing import steps_of, steps_together
 from fgenv.robots import (
     Car,
     DifferentialDrive,
-    Drive,
     Drone,
     Holonomic,
     Joint,
@@ -37,10 +36,12 @@ from fgenv.robots import (
     MobileManipulator,
     Robot,
 )
+from fgenv.robots.drives.base import DrivePart
 from fgenv.scenarios import Scenario
+from fgenv.scenarios.drive_specs import DriveSpec
 
 DT = 0.1
-DRIVES: dict[str, Drive] = {
+DRIVES: dict[str, DrivePart] = {
     "holonomic": Holonomic(speed=1.0, turn_rate=2.0),
     "slow to start": Holonomic(speed=1.0, turn_rate=2.0, acceleration=0.7, turn_acceleration=1.0),
     "differential": DifferentialDrive(speed=1.0, turn_rate=1.5, acceleration=1.0),
@@ -51,7 +52,7 @@ DRIVES: dict[str, Drive] = {
 }
 
 
-def robot_with(drive: Drive) -> Robot:
+def robot_with(drive: DrivePart) -> Robot:
     mesh = trimesh.creation.box((0.4, 0.4, 0.4))
     cube = Shape(mesh.vertices, mesh.faces)
     return Robot.from_mesh(cube, drive.base or "planar", drive=drive, name="r")
@@ -181,11 +182,8 @@ def test_actions_between_lead_there(name: str) -> None:
     }
     made = Scenario.load(scenario[name], n=1)
     if name == "holonomic":
-        drive = {"kind": "holonomic", "speed": 1.0, "turn_rate": 2.0}
-        models = {
-            k: m.model_copy(update={"drive": type(m)(shape=m.shape, drive=drive).drive})
-            for k, m in made.models.items()
-        }
+        drive = DriveSpec.of(Holonomic(speed=1.0, turn_rate=2.0))
+        models = {k: m.model_copy(update={"drive": drive}) for k, m in made.models.items()}
         made = made.replace(models=models)
     simulator = Simulator(made, autoreset=False, tolerance=1e-6)
     simulator.reset(seed=0)

@@ -120,7 +120,7 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda: DifferentialDrive(1.0, 1.0, acceleration=-1.0), "DifferentialDrive: acceleration"),
     (lambda: DifferentialDrive("1", 1.0), "DifferentialDrive: speed: got '1'"),  # type: ignore[arg-type]
     (
-        lambda: MobileManipulator(JointVelocity()),
+        lambda: MobileManipulator(JointVelocity()),  # type: ignore[arg-type]
         "platform: got JointVelocity, expected a Platform",
     ),
     (lambda: MobileManipulator(None), "platform: got NoneType, expected a Platform"),  # type: ignore[arg-type]

@@ -23,6 +23,7 @@ from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
 
+UNIT = np.array([[0.0, 0, 0], [1, 1, 1]])  # opposite corners of a cube
 SEEDS = st.integers(0, 2**32 - 1)
 
 pytestmark = [
@@ -329,7 +330,7 @@ def test_limits_random_valid_clip() -> None:
 
 
 def test_random_orientations_are_uniform() -> None:
-    robot = Robot("drone", [Link("body")], base="free", workspace=[[0, 0, 0], [1, 1, 1]])
+    robot = Robot("drone", [Link("body")], base="free", workspace=UNIT)
     q = robot.random(np.random.default_rng(0), 20_000)
     np.testing.assert_allclose(np.linalg.norm(q[:, 3:], axis=1), 1, atol=1e-15)
     np.testing.assert_allclose(robot.forward(q)[:, 0, :3, :3].mean(axis=0), 0, atol=0.02)
@@ -444,9 +445,9 @@ FAULTS: list[tuple[Any, str]] = [
     ),
     (lambda: Robot("r", TWO, [joint()], base="floating"), "base: got 'floating', expected one of"),
     (lambda: Robot("r", TWO, [joint("x")], base="planar"), "name of a coordinate"),
-    (lambda: Robot("r", TWO, [joint()], workspace=[[0, 0], [1, 1]]), "got bounds for a fixed base"),
+    (lambda: Robot("r", TWO, [joint()], workspace=UNIT[:, :2]), "got bounds for a fixed base"),
     (
-        lambda: Robot("r", TWO, [joint()], "planar", workspace=[[0, 0, 0]] * 2),
+        lambda: Robot("r", TWO, [joint()], "planar", workspace=0 * UNIT),
         "expected .low, high.",
     ),
     (lambda: Robot("r", TWO, [joint()], allowed=[("a", "z")]), "got 'z', expected a link of 'r'"),
@@ -460,7 +461,7 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda: joint(origin=np.eye(3)), r"origin: got shape \(3, 3\), expected a pose"),
     (lambda: joint(kind="fixed", mimic=Mimic("k")), "got mimic of 'k' for a fixed joint"),
     (lambda: Mimic("k", math.nan), "multiplier: got nan"),
-    (lambda: Link("a", [BOX, None]), "shape: got NoneType, expected a Shape"),
+    (lambda: Link("a", [BOX, None]), "shape: got NoneType, expected a Shape"),  # type: ignore[list-item]
 ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import pickle
+from collections.abc import Callable
 from copy import deepcopy
 from typing import Any
 
@@ -27,6 +28,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning"),
 ]
 
+UP = np.array([0.0, 0.0, 1.0])
+
 
 def arm(links: int = 3, length: float = 0.5, name: str = "arm") -> Robot:
     """A planar chain of bars, each of which turns about the end of its predecessor."""
@@ -34,7 +37,7 @@ def arm(links: int = 3, length: float = 0.5, name: str = "arm") -> Robot:
     middle = at(length / 2)
     bodies = [Link(f"link{i}", [LinkShape(bar, middle)]) for i in range(links)]
     joints = [
-        Joint(f"joint{i}", "revolute", f"link{i}", f"link{i + 1}", at(length), (0, 0, 1), -3.0, 3.0)
+        Joint(f"joint{i}", "revolute", f"link{i}", f"link{i + 1}", at(length), UP, -3.0, 3.0)
         for i in range(links - 1)
     ]
     return Robot(name, bodies, joints)
@@ -276,9 +279,12 @@ def test_a_copy_has_the_same_robots(how: str) -> None:
     world.attach(load, "robot")
     world.set_trajectory("robot", [0.0, 1.0], q[1])
     world.set_path("robot", q[2])
-    twin = {"copy": World.copy, "deepcopy": deepcopy}.get(
-        how, lambda w: pickle.loads(pickle.dumps(w))
-    )(world)
+    copiers: dict[str, Callable[[World], World]] = {
+        "copy": World.copy,
+        "deepcopy": deepcopy,
+        "pickle": lambda w: pickle.loads(pickle.dumps(w)),
+    }
+    twin = copiers[how](world)
     assert twin.names == world.names
     assert twin.masks == world.masks
     for w in (world, twin):

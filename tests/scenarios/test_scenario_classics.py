@@ -60,6 +60,7 @@ def test_ends_are_free_and_the_straight_way_is_not(
     assert len(built.robots) == ways.get("n", 1)
     for i, robot in enumerate(built.robots):
         assert robot.base == "free"
+        assert robot.workspace is not None
         assert np.isfinite(robot.workspace).all()
         alone = built.world(robots=False)
         mover = built.add_robot(alone, i, built.starts[i])

@@ -6,7 +6,7 @@ import copy
 import itertools
 import json
 import pickle
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,7 @@ def made(name: str, ways: dict[str, Any], seed: int = 0) -> Scenario:
     return Scenario.load(name, seed=seed, **ways)
 
 
-def peers(shapes: Sequence[Shape], poses: Sequence[Floats]) -> list[Any]:
+def peers(shapes: Sequence[Shape], poses: Iterable[Floats]) -> list[Any]:
     """The bodies in python-fcl."""
     objects = []
     for shape, pose in zip(shapes, poses, strict=True):
@@ -216,7 +216,7 @@ def test_a_scenario_is_a_value() -> None:
     ):
         assert other == scenario
     with pytest.raises(ValueError, match="frozen"):
-        scenario.seed = 3  # type: ignore[misc]
+        scenario.seed = 3
     error = ScenarioError("s", scenario.problems())
     assert pickle.loads(pickle.dumps(error)).args == error.args
 

@@ -35,15 +35,15 @@ def alone(kind: str, seed: int = 0, **fields: Any) -> Scenario:
     else:
         model |= {"shape": "box", "base": "free" if kind == "drone" else "planar"}
     start, goal = ends(kind, np.random.default_rng(seed))
-    return Scenario(
-        version=1,
-        name=f"one {kind}",
-        seed=seed,
-        shapes={"box": {"kind": "box", "size": (0.5, 0.4, 0.3)}},
-        models={"m": model},
-        robots=[{"name": "robot", "model": "m", "start": start, "goal": goal}],
-        **fields,
-    )
+    document: dict[str, Any] = {
+        "version": 1,
+        "name": f"one {kind}",
+        "seed": seed,
+        "shapes": {"box": {"kind": "box", "size": (0.5, 0.4, 0.3)}},
+        "models": {"m": model},
+        "robots": [{"name": "robot", "model": "m", "start": start, "goal": goal}],
+    }
+    return Scenario.model_validate(document | fields)
 
 
 def ends(kind: str, rng: np.random.Generator) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -78,7 +78,8 @@ class Fcl:
 
 def box(x: float, y: float, z: float = 1.0) -> trimesh.Trimesh:
     """A box with its center at the origin."""
-    return trimesh.creation.box((x, y, z))
+    mesh: trimesh.Trimesh = trimesh.creation.box((x, y, z))
+    return mesh
 
 
 def at(problem: Problem) -> Floats:

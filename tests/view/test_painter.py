@@ -131,7 +131,7 @@ def test_flat_faces_have_one_color_each() -> None:
         Painter([box], [ORANGE], FRONT, floor=None, samples=1, smooth=s).paint(poses)
         for s in (0.0, 0.6)
     ]
-    np.testing.assert_array_equal(*pictures)
+    np.testing.assert_array_equal(pictures[0], pictures[1])
     flat = Painter([ball()], [ORANGE], FRONT, floor=None, samples=1, smooth=0.0).paint(HERE)
     round_ = Painter([ball()], [ORANGE], FRONT, floor=None, samples=1).paint(HERE)
     assert len(np.unique(flat.reshape(-1, 3), axis=0)) < len(

@@ -32,12 +32,12 @@ def test_same_picture_for_any_number_of_threads(monkeypatch: pytest.MonkeyPatch)
     for threads in ("1", "3"):
         monkeypatch.setenv("FGENV_THREADS", threads)
         pictures.append(Picture(FRONT, [ball(), plate(2.0, -1.0)], floor=Floor(-1.5)).pixels())
-    np.testing.assert_array_equal(*pictures)
+    np.testing.assert_array_equal(pictures[0], pictures[1])
 
 
 def drawn(picture: Picture) -> Flags:
     """Return the pixels that are nearly vermilion."""
-    return np.abs(picture.pixels() - 255.0 * np.array(VERMILION)).max(axis=2) < 40
+    return np.asarray(np.abs(picture.pixels() - 255.0 * np.array(VERMILION)).max(axis=2) < 40)
 
 
 def test_lines_behind_a_solid_are_hidden() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.GifImagePlugin import GifImageFile
 from support.shell import Shell
 
 from fgenv.agents import run_episode
@@ -108,9 +109,11 @@ def test_command(record: Record, shell: Shell) -> None:
     assert (code, out.count("written: ")) == (0, 3)
     with Image.open("a.gif") as movie, Image.open("a.png") as picture:
         assert movie.size == picture.size == (128, 96)
+        assert isinstance(movie, GifImageFile)
         assert movie.n_frames == 11
     shell("render", "run.npz", "--gif", "b.gif", "--size", "128x96", "--fps", "5", "--speed", "2")
     with Image.open("b.gif") as movie:
+        assert isinstance(movie, GifImageFile)
         assert movie.n_frames == 6  # 2 s of 20 steps in 1 s
     for words, said in (
         (

@@ -5,6 +5,8 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,7 +50,7 @@ def live() -> Iterator[Live]:
     policy = policy_of("goto")
     policy.reset(View(simulator))
     live = Live(simulator, 0)
-    live.panel._speed.value = "fastest"
+    choose(live.panel._speed, "fastest")
     live.begin()
     for _ in range(10):
         observations = simulator.step(policy.act(observations)).observations
@@ -133,7 +135,7 @@ def test_at_the_fastest_speed_each_step_is_one_frame_without_delay(clock: Clock)
     simulator = Simulator("warehouse", n=64, autoreset=False)
     simulator.reset(seed=0)
     live = Live(simulator, 0)
-    live.panel._speed.value = "fastest"
+    choose(live.panel._speed, "fastest")
     live.begin()
     for _ in range(20):
         live.show()
@@ -167,6 +169,9 @@ def test_human_mode_returns_none_and_starts_when_first_rendered(
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> None:
+    def is_on(name: str, expected: bool) -> bool:
+        return live.overlays.on[name] == expected
+
     with page() as shown:
         shown.open(f"{live.url}/?fixedDpr=1")  # else it gets coarser where it is slow
         shown.wait("document.body?.innerText.includes('Feature graph')")
@@ -177,11 +182,11 @@ def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> Non
         assert (plain[250:, :640].std(axis=(0, 1)) > 5).all()
         for name in Overlays.NAMES[3:]:
             click(shown, name.capitalize())
-            until(lambda name=name: live.overlays.on[name])
+            until(partial(is_on, name, True))
             live.refresh()
             until(lambda: changed(shown, plain) > 50)
             click(shown, name.capitalize())
-            until(lambda name=name: not live.overlays.on[name])
+            until(partial(is_on, name, False))
             live.refresh()
             until(lambda: changed(shown, plain) < 20)
         assert shown.errors == []
@@ -197,7 +202,7 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
             simulator.step(np.full((1, 4, simulator.action_size), 0.2))
             live.show()
 
-    live.panel._speed.value = "1x"
+    choose(live.panel._speed, "1x")
     thread = threading.Thread(target=drive, daemon=True)
     with page() as shown:
         shown.open(live.url)
@@ -212,7 +217,7 @@ def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
         assert simulator.steps[0] == held
         press(shown, "Step")
         until(lambda: simulator.steps[0] == held + 1)
-        live.panel._follow.value = simulator.names[1]
+        choose(live.panel._follow, simulator.names[1])
         press(shown, "Play")
         until(lambda: simulator.steps[0] > held + 5)
         (client,) = live.server.get_clients().values()
@@ -244,6 +249,11 @@ def click(shown: Page, label: str) -> None:
         ".closest('div:has(input)').querySelector('input').click()"
     )
     shown.run(script)
+
+
+def choose(dropdown: Any, value: str) -> None:
+    """Select a value of a dropdown, which viser declares read-only."""
+    dropdown.value = value
 
 
 def until(condition: Callable[[], bool]) -> None:
