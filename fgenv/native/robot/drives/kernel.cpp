@@ -10,7 +10,7 @@ const RegisterDrive*& first() {
 
 }  // namespace
 
-RegisterDrive::RegisterDrive(const DriveKernel& kernel) : kernel(kernel), next(first()) { first() = this; }
+RegisterDrive::RegisterDrive(const DriveKernel& registered) : kernel(registered), next(first()) { first() = this; }
 
 const DriveKernel* find_drive_kernel(const std::string& name) {
     for (const RegisterDrive* r = first(); r; r = r->next)

@@ -59,7 +59,7 @@ std::string drive_kernel_names();
 
 // A static object of this type in a kernel's file adds the kernel.
 struct RegisterDrive {
-    explicit RegisterDrive(const DriveKernel& kernel);
+    explicit RegisterDrive(const DriveKernel& registered);
 
     DriveKernel kernel;
     const RegisterDrive* next;
