@@ -1,8 +1,11 @@
 """Cheapest paths over grids, and path hints that follow them."""
 
+from __future__ import annotations
+
 import copy
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,21 +17,26 @@ from scipy.sparse.csgraph import dijkstra
 from support.robots import random_tree
 
 from fgenv import _core
+from fgenv.agents.policies.orca import OrcaPolicy
+from fgenv.arrays import Floats, Floats32, Ints
 from fgenv.envs import Observation, Simulator, View, policy_of
 from fgenv.envs.state_readers import MOVING, PARKED
 from fgenv.robots.footprint import enclosing_discs, footprint
 from fgenv.scenarios import Scenario
 
+Cell = tuple[int, int, int]
 HINT = Observation(path_hint=True, path="shortest", look_ahead=0.5)
 
 
-def graph(costs):
+def graph(costs: Ints) -> csr_matrix:
     """Return the steps of a grid as a sparse graph."""
     layers, rows, columns = costs.shape
     number = np.arange(costs.size).reshape(costs.shape)
-    tails, heads, weights = [], [], []
+    tails: list[int] = []
+    heads: list[int] = []
+    weights: list[float] = []
 
-    def step(here, there, length):
+    def step(here: Cell, there: Cell, length: float) -> None:
         tails.append(number[here])
         heads.append(number[there])
         weights.append(costs[there] * length)
@@ -53,7 +61,9 @@ def graph(costs):
     st.integers(1, 12),
     st.floats(0, 0.6),
 )
-def test_paths_are_as_cheap_as_dijkstra_s(seed, layers, rows, columns, walls):
+def test_paths_are_as_cheap_as_dijkstra_s(
+    seed: int, layers: int, rows: int, columns: int, walls: float
+) -> None:
     rng = np.random.default_rng(seed)
     shape = layers, rows, columns
     costs = rng.choice([1, 2, 3], shape)
@@ -86,12 +96,12 @@ def test_paths_are_as_cheap_as_dijkstra_s(seed, layers, rows, columns, walls):
         ([[[1]]], (0, 0), "start: shape"),
     ],
 )
-def test_invalid_grids_are_errors(costs, start, message):
+def test_invalid_grids_are_errors(costs: Any, start: tuple[int, ...], message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         _core.cheapest_path(costs, start, (0, 0, 0))
 
 
-def check_new_paths(simulator):
+def check_new_paths(simulator: Simulator) -> int:
     """Compare new paths with the oracle's; returns the number of parked robots."""
     parked = (simulator.arrival_steps == simulator.steps[:, None]).any(axis=1)
     worlds = np.flatnonzero(parked | (simulator.steps == 0)).tolist()
@@ -111,7 +121,9 @@ def check_new_paths(simulator):
         ("warehouse", {"n": 6}, 1),
     ],
 )
-def test_paths_equal_the_oracle_s_while_robots_park(name, options, arrivals):
+def test_paths_equal_the_oracle_s_while_robots_park(
+    name: str, options: dict[str, Any], arrivals: int
+) -> None:
     simulator = Simulator(name, 2, observation=HINT, max_steps=150, **options)
     rng = np.random.default_rng(0)
     simulator.reset(seed=3)
@@ -125,7 +137,7 @@ def test_paths_equal_the_oracle_s_while_robots_park(name, options, arrivals):
     assert parked > arrivals
 
 
-def follow_hints(simulator, rows, rng):
+def follow_hints(simulator: Simulator, rows: Floats32, rng: np.random.Generator) -> Floats:
     """Return actions toward the path hints, with noise."""
     hint = next(part for part in simulator.layouts[0] if part.name == "path_hint").slice
     targets, ahead = simulator.configurations, rows[..., hint].astype(float)
@@ -138,13 +150,13 @@ def follow_hints(simulator, rows, rng):
     return simulator.toward(targets) + 0.2 * simulator.sample(rng)
 
 
-def paths_of(simulator, world):
+def paths_of(simulator: Simulator, world: int) -> dict[int, Floats]:
     """Return the paths of all robots of a world; after a reset all move."""
     return {i: simulator.path(world, i) for i in range(simulator.n_robots)}
 
 
 @pytest.mark.parametrize("name", ["random", "doorway"])
-def test_paths_lead_to_the_goal_and_through_no_wall(name):
+def test_paths_lead_to_the_goal_and_through_no_wall(name: str) -> None:
     simulator = Simulator(name, 3, cases=3, case_order="seed", n=4, observation=HINT)
     simulator.reset(seed=0)
     waiting = 0  # robots that would block another one's only path
@@ -166,7 +178,7 @@ def test_paths_lead_to_the_goal_and_through_no_wall(name):
     assert waiting <= 6  # of 12
 
 
-def test_the_hint_leads_through_the_door():
+def test_the_hint_leads_through_the_door() -> None:
     simulator = Simulator("doorway", n=2, drive="holonomic", observation=HINT)
     simulator.reset(seed=0)
     q = np.zeros(3)
@@ -180,7 +192,7 @@ def test_the_hint_leads_through_the_door():
     assert math.hypot(x, y) == pytest.approx(0.5, abs=0.1)
 
 
-def test_a_long_robot_looks_along_its_path():
+def test_a_long_robot_looks_along_its_path() -> None:
     # A car of 2.5 m can turn on the spot only in the middle of a road of 4 m.
     simulator = Simulator("intersection", 5, cases=5, case_order="seed", n=4, observation=HINT)
     simulator.reset(seed=0)
@@ -194,7 +206,7 @@ def test_a_long_robot_looks_along_its_path():
             assert np.mean(alone.collides(me, q)) < 0.1
 
 
-def test_paths_lead_around_parked_robots():
+def test_paths_lead_around_parked_robots() -> None:
     scenario = Scenario.load("random", n=2, fill=0.0, drive="holonomic")
     simulator = Simulator(scenario, observation=HINT, autoreset=False)
     simulator.reset()
@@ -214,8 +226,9 @@ def test_paths_lead_around_parked_robots():
     assert np.hypot(*(dense - other)[:, :2].T).min() > apart - 0.1  # except at corners
 
 
-def test_a_robot_that_would_block_the_door_waits_for_the_other():
+def test_a_robot_that_would_block_the_door_waits_for_the_other() -> None:
     policy = policy_of("orca:shortest")
+    assert isinstance(policy, OrcaPolicy)
     scenario = Scenario.load("doorway", n=2, drive="holonomic")
     simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
     simulator.reset()
@@ -248,7 +261,9 @@ WEST, EAST = [-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]  # of the door
         ([(WEST, [1.0, 1.0, 0.0]), (EAST, [-1.0, 1.0, 0.0])], set()),
     ],
 )
-def test_a_robot_waits_if_parking_would_block_the_other(ends, waiting):
+def test_a_robot_waits_if_parking_would_block_the_other(
+    ends: list[tuple[list[float], list[float]]], waiting: set[int]
+) -> None:
     simulator = Simulator(Scenario.load("doorway", n=2, drive="holonomic"), observation=HINT)
     simulator.reset()
     for i, (start, goal) in enumerate(ends):
@@ -267,7 +282,7 @@ def test_a_robot_waits_if_parking_would_block_the_other(ends, waiting):
         ("warehouse", {}, True),
     ],
 )
-def test_discs_enclose_the_robot(name, given, row):
+def test_discs_enclose_the_robot(name: str, given: dict[str, Any], row: bool) -> None:
     robot = Scenario.load(name, n=2, **given).build().robots[0]
     centers, radius = enclosing_discs(robot)
     assert (len(centers) > 1) == row
@@ -276,7 +291,7 @@ def test_discs_enclose_the_robot(name, given, row):
     assert far.min(axis=1).max() <= radius + 1e-9
 
 
-def test_one_disc_encloses_all_links_of_an_arm_on_wheels(monkeypatch):
+def test_one_disc_encloses_all_links_of_an_arm_on_wheels(monkeypatch: pytest.MonkeyPatch) -> None:
     base = np.array([[-2.0, -0.5], [2.0, -0.5], [2.0, 0.5], [-2.0, 0.5]])
     monkeypatch.setattr("fgenv.robots.footprint.footprint", lambda robot: base)
     rng = np.random.default_rng(0)
@@ -289,7 +304,7 @@ def test_one_disc_encloses_all_links_of_an_arm_on_wheels(monkeypatch):
         assert radius == robot.reach[robot.root]
 
 
-def test_a_parked_robot_closes_the_cells_where_discs_overlap():
+def test_a_parked_robot_closes_the_cells_where_discs_overlap() -> None:
     simulator = Simulator("intersection", n=2, drive="holonomic", observation=HINT)
     simulator.reset()
     planner, at = Planner(simulator, 0), np.array([1.0, -0.5, 0.4])
@@ -307,9 +322,10 @@ def test_a_parked_robot_closes_the_cells_where_discs_overlap():
 
 
 @pytest.mark.parametrize("n", [2, 3])
-def test_robots_that_swap_places_do_not_wait_for_each_other(n):
+def test_robots_that_swap_places_do_not_wait_for_each_other(n: int) -> None:
     scenario = Scenario.load("random", n=n, fill=0.0, drive="holonomic")
     policy = policy_of("orca:shortest")
+    assert isinstance(policy, OrcaPolicy)
     simulator = Simulator(scenario, observation=policy.observation, autoreset=False)
     simulator.reset()
     turns = 2 * math.pi / n * np.arange(n)
@@ -324,7 +340,7 @@ def test_robots_that_swap_places_do_not_wait_for_each_other(n):
     assert (simulator.status == PARKED).all()
 
 
-def test_a_robot_that_vanishes_at_its_goal_blocks_no_path():
+def test_a_robot_that_vanishes_at_its_goal_blocks_no_path() -> None:
     scenario = Scenario.load("doorway", n=2).model_copy(update={"at_goal": "vanish"})
     simulator = Simulator(scenario, observation=HINT)
     simulator.reset()
@@ -334,7 +350,7 @@ def test_a_robot_that_vanishes_at_its_goal_blocks_no_path():
     assert (path[0] != path[-1]).any()
 
 
-def test_a_robot_parked_on_the_other_lane_blocks_no_road():
+def test_a_robot_parked_on_the_other_lane_blocks_no_road() -> None:
     """A single enclosing disc of a parked car of 2.5 m would block the road."""
     seen = Observation(path_hint=True, path="shortest", look_ahead=1.5)
     scenario = Scenario.load("intersection", n=2, drive="holonomic", jitter=0.0)
@@ -350,7 +366,7 @@ def test_a_robot_parked_on_the_other_lane_blocks_no_road():
     assert np.abs(path[:, 1] - 1.0).max() < 0.5
 
 
-def test_copies_with_shortest_paths_continue_identically():
+def test_copies_with_shortest_paths_continue_identically() -> None:
     simulator = Simulator("random", 2, cases=3, n=4, observation=HINT)
     simulator.reset(seed=1)
     rng = np.random.default_rng(0)
@@ -367,11 +383,13 @@ def test_copies_with_shortest_paths_continue_identically():
         ("swap", {"actions": "way_points"}, "each way point is a path of its own"),
     ],
 )
-def test_shortest_paths_need_planar_bases_and_drive_actions(name, options, message):
+def test_shortest_paths_need_planar_bases_and_drive_actions(
+    name: str, options: dict[str, Any], message: str
+) -> None:
     with pytest.raises(ValueError, match=message):
         Simulator(name, observation=HINT, **options)
 
 
-def test_an_unknown_path_is_an_error():
+def test_an_unknown_path_is_an_error() -> None:
     with pytest.raises(ValueError, match="path: got 'curved', expected straight or shortest"):
         Observation(path="curved")

@@ -1,27 +1,45 @@
 """The batched simulator: drives, sensors, goals, contacts and rewards, by laws and by independent
 computation."""
 
+from __future__ import annotations
+
 import copy
 import dataclasses
 import pickle
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fgenv.arrays import Floats, Ints
 from fgenv.collision import distance
 from fgenv.envs import Observation, Reward, Simulator
+from fgenv.envs.simulator import StepResult
 from fgenv.envs.spaces import observation_box
 from fgenv.envs.state_readers import GONE, MOVING, PARKED
+from fgenv.robots import DifferentialDrive
 from fgenv.scenarios import Scenario, frozen
+from fgenv.scenarios.drive_specs import DriveSpec
 
 pytestmark = pytest.mark.native
 
 QUIET = Observation(lidar=False, neighbors=0)
 
 
-def arena(n=2, *, drive=None, shape="cart", side=20.0, gap=1.5, base="planar", bodies=(), **fields):
+def arena(
+    n: int = 2,
+    *,
+    drive: dict[str, Any] | None = None,
+    shape: str = "cart",
+    side: float = 20.0,
+    gap: float = 1.5,
+    base: str = "planar",
+    bodies: Sequence[dict[str, Any]] = (),
+    **fields: Any,
+) -> Scenario:
     """Robots in a row along y, heading along x, their goals 8 m ahead."""
     drive = drive or {"kind": "holonomic", "speed": 1.0, "turn_rate": 2.0}
     row = [(-4.0, gap * (i - (n - 1) / 2)) for i in range(n)]
@@ -46,11 +64,11 @@ def arena(n=2, *, drive=None, shape="cart", side=20.0, gap=1.5, base="planar", b
     )
 
 
-def still(simulator):
+def still(simulator: Simulator) -> Floats:
     return np.zeros((simulator.n_worlds, simulator.n_robots, simulator.action_size))
 
 
-def step_until(simulator, action, condition):
+def step_until(simulator: Simulator, action: Floats, condition: Callable[[], object]) -> StepResult:
     """Return the step after which a condition holds."""
     for _ in range(200):
         step = simulator.step(action)
@@ -59,7 +77,7 @@ def step_until(simulator, action, condition):
     raise AssertionError("the condition never holds")
 
 
-def step_until_arrival(simulator):
+def step_until_arrival(simulator: Simulator) -> StepResult:
     """Return the step in which the first robot arrives."""
     for _ in range(200):
         step = simulator.step(simulator.toward(simulator.goals))
@@ -68,7 +86,7 @@ def step_until_arrival(simulator):
     raise AssertionError("the robot never arrives")
 
 
-def test_a_holonomic_robot_moves_by_its_action():
+def test_a_holonomic_robot_moves_by_its_action() -> None:
     simulator = Simulator(arena(1), observation=QUIET)
     simulator.reset()
     action = still(simulator)
@@ -80,7 +98,7 @@ def test_a_holonomic_robot_moves_by_its_action():
 
 
 @pytest.mark.parametrize("kind", ["differential", "car"])
-def test_wheels_drive_arcs(kind):
+def test_wheels_drive_arcs(kind: str) -> None:
     more = {"wheelbase": 0.5, "min_turning_radius": 1.0} if kind == "car" else {"turn_rate": 1.0}
     simulator = Simulator(arena(1, drive={"kind": kind, "speed": 1.0, **more}), observation=QUIET)
     simulator.reset()
@@ -94,7 +112,7 @@ def test_wheels_drive_arcs(kind):
         assert abs(np.angle(np.exp(1j * (yaw - angle)))) < 1e-9
 
 
-def test_a_drone_stays_level_and_climbs():
+def test_a_drone_stays_level_and_climbs() -> None:
     drive = {"kind": "drone", "speed": 1.0, "turn_rate": 1.0, "climb": 0.5}
     simulator = Simulator(arena(1, drive=drive, shape="quadcopter", base="free"), observation=QUIET)
     simulator.reset()
@@ -107,7 +125,7 @@ def test_a_drone_stays_level_and_climbs():
     np.testing.assert_allclose(turn, [0, 0, np.sin(0.5), np.cos(0.5)], atol=1e-12)
 
 
-def test_accelerations_are_limited():
+def test_accelerations_are_limited() -> None:
     drive = {"kind": "differential", "speed": 1.0, "turn_rate": 2.0, "acceleration": 0.5}
     simulator = Simulator(arena(1, drive=drive), observation=QUIET)
     simulator.reset()
@@ -120,7 +138,7 @@ def test_accelerations_are_limited():
     np.testing.assert_allclose(speeds, np.minimum(0.05 * np.arange(1, 31), 1.0))
 
 
-def test_robots_stay_in_the_workspace():
+def test_robots_stay_in_the_workspace() -> None:
     simulator = Simulator(arena(1, horizon=1e4), observation=QUIET)
     simulator.reset()
     action = still(simulator)
@@ -139,7 +157,7 @@ CROWDS = {
 }
 
 
-def crowded(n=64):
+def crowded(n: int = 64) -> Scenario:
     """Carts packed so tightly that none can drive far."""
     scenario = arena(n, gap=1.0)
     robots = [
@@ -150,7 +168,7 @@ def crowded(n=64):
 
 
 @pytest.mark.parametrize("crowd", [*CROWDS, "packed"])
-def test_no_robots_overlap_after_any_step(crowd):
+def test_no_robots_overlap_after_any_step(crowd: str) -> None:
     simulator = Simulator(crowded(), observation=QUIET) if crowd == "packed" else CROWDS[crowd]()
     simulator.reset(seed=3)
     rng = np.random.default_rng(0)
@@ -166,7 +184,7 @@ def test_no_robots_overlap_after_any_step(crowd):
 
 @given(seed=st.integers(0, 2**32), body=st.sampled_from(["disc", "long", "l"]))
 @settings(max_examples=15, deadline=None)
-def test_no_robots_overlap_with_random_actions(seed, body):
+def test_no_robots_overlap_with_random_actions(seed: int, body: str) -> None:
     simulator = Simulator("swap", n=12, body=body, size=8.0, observation=QUIET)
     simulator.reset(seed=seed)
     rng = np.random.default_rng(seed)
@@ -178,7 +196,7 @@ def test_no_robots_overlap_with_random_actions(seed, body):
         assert len(simulator.world().contact_pairs()) == 0
 
 
-def test_a_collision_reports_body_time_and_point():
+def test_a_collision_reports_body_time_and_point() -> None:
     scenario = arena(1, bodies=[{"position": (0.0, 0.0, 0.0)}])
     simulator = Simulator(scenario, observation=QUIET)
     simulator.reset()
@@ -203,7 +221,7 @@ def test_a_collision_reports_body_time_and_point():
     assert simulator.collision_counts.tolist() == [[2]]
 
 
-def test_both_robots_of_a_collision_stop_and_name_each_other():
+def test_both_robots_of_a_collision_stop_and_name_each_other() -> None:
     scenario = arena(2, gap=1.2)
     simulator = Simulator(scenario, observation=QUIET)
     simulator.reset()
@@ -219,7 +237,7 @@ def test_both_robots_of_a_collision_stop_and_name_each_other():
 
 
 @pytest.mark.parametrize("response", ["stop", "terminate", "pass"])
-def test_responses(response):
+def test_responses(response: str) -> None:
     scenario = arena(2, bodies=[{"position": (-2.0, -0.75, 0.0)}], on_collision=response)
     simulator = Simulator(scenario, observation=QUIET, autoreset=False)
     simulator.reset()
@@ -238,7 +256,7 @@ def test_responses(response):
 
 
 @pytest.mark.parametrize("at_goal", ["park", "vanish"])
-def test_robots_park_or_vanish_at_the_goal(at_goal):
+def test_robots_park_or_vanish_at_the_goal(at_goal: str) -> None:
     simulator = Simulator(arena(2, at_goal=at_goal), observation=QUIET, autoreset=False)
     simulator.reset()
     simulator.place(0, 0, [-4.0, 0.0, 0.0], [-2.0, 0.0, 0.0])
@@ -258,7 +276,7 @@ def test_robots_park_or_vanish_at_the_goal(at_goal):
     assert (simulator.collision_counts[0, 1] > 0) == (at_goal == "park")
 
 
-def test_the_horizon_truncates_and_worlds_reset():
+def test_the_horizon_truncates_and_worlds_reset() -> None:
     simulator = Simulator(arena(2, horizon=1.0), 3, observation=QUIET)
     first = simulator.reset(seed=5)
     for _ in range(9):
@@ -267,6 +285,7 @@ def test_the_horizon_truncates_and_worlds_reset():
     assert step.truncated.all()
     assert not step.terminated.any()
     np.testing.assert_array_equal(step.observations, first)  # those of the next episode
+    assert simulator.final_observations is not None
     assert (simulator.final_observations != first).any()
     np.testing.assert_array_equal(simulator.episodes, [1, 1, 1])
     np.testing.assert_array_equal(simulator.seeds, [5, 6, 7])
@@ -275,7 +294,7 @@ def test_the_horizon_truncates_and_worlds_reset():
 # Observations
 
 
-def test_lidar_measures_exact_meshes():
+def test_lidar_measures_exact_meshes() -> None:
     seen = Observation(goal=False, velocity=False, neighbors=0, rays=37, lidar_range=4.0)
     simulator = Simulator("warehouse", 1, n=12, observation=seen)
     rows = simulator.reset()
@@ -288,7 +307,9 @@ def test_lidar_measures_exact_meshes():
     for i, name in enumerate(simulator.names):
         x, y, yaw = simulator.configurations[0, i]
         c, s = np.cos(yaw), np.sin(yaw)
-        position = simulator.scenario.models["cart"].lidar.position
+        lidar = simulator.scenario.models["cart"].lidar
+        assert lidar is not None
+        position = lidar.position
         at = np.array([x + c * position[0] - s * position[1], y, position[2]])
         at[1] += s * position[0] + c * position[1]
         rays = np.stack([np.cos(angles + yaw), np.sin(angles + yaw), 0 * angles], axis=-1)
@@ -296,7 +317,7 @@ def test_lidar_measures_exact_meshes():
         np.testing.assert_allclose(rows[0, i], np.minimum(expected, 4.0), atol=1e-5)
 
 
-def test_goal_velocity_and_neighbors_are_in_the_own_frame():
+def test_goal_velocity_and_neighbors_are_in_the_own_frame() -> None:
     seen = Observation(configuration=True, neighbors=3, lidar=False)
     simulator = Simulator("swap", n=6, body="l", jitter=0.2, observation=seen)
     simulator.reset(seed=1)
@@ -328,7 +349,7 @@ def test_goal_velocity_and_neighbors_are_in_the_own_frame():
 
 
 @pytest.mark.parametrize("name", ["swap", "forest"])
-def test_neighbors_fade_with_the_distance_between_circles(name):
+def test_neighbors_fade_with_the_distance_between_circles(name: str) -> None:
     plain = Observation(goal=False, velocity=False, lidar=False, neighbors=4)
     fading = dataclasses.replace(plain, neighbor_range=2.0)
     whole, faded = (Simulator(name, n=5, observation=seen) for seen in (plain, fading))
@@ -351,7 +372,7 @@ def test_neighbors_fade_with_the_distance_between_circles(name):
     assert (np.array(shares) > 0).any()
 
 
-def test_with_priorities_those_who_go_first_come_first_and_stay_within_the_space():
+def test_with_priorities_those_who_go_first_come_first_and_stay_within_the_space() -> None:
     seen = Observation(lidar=False, neighbors=2, neighbor_range=2.0, priority=True, pad=True)
     scenario = Scenario.load("swap", n=4).model_copy(update={"on_collision": "pass"})
     rng = np.random.default_rng(0)
@@ -379,7 +400,7 @@ def test_with_priorities_those_who_go_first_come_first_and_stay_within_the_space
 
 
 @pytest.mark.parametrize(("name", "axes"), [("swap", 2), ("forest", 3)])
-def test_neighbors_include_their_goals_and_rows_are_in_the_space(name, axes):
+def test_neighbors_include_their_goals_and_rows_are_in_the_space(name: str, axes: int) -> None:
     rng = np.random.default_rng(0)
     seen = Observation(lidar=False, goal=False, velocity=False, neighbors=3, intent=True)
     simulator = Simulator(Scenario.load(name, n=4), 2, observation=seen)
@@ -399,7 +420,7 @@ def test_neighbors_include_their_goals_and_rows_are_in_the_space(name, axes):
             )
 
 
-def test_the_path_hint_is_a_point_ahead_on_the_path():
+def test_the_path_hint_is_a_point_ahead_on_the_path() -> None:
     seen = Observation(
         goal=False, velocity=False, neighbors=0, lidar=False, path_hint=True, look_ahead=2.0
     )
@@ -412,18 +433,14 @@ def test_the_path_hint_is_a_point_ahead_on_the_path():
     np.testing.assert_allclose(simulator.observe()[0, 0], [0.5, 0.0], atol=1e-6)  # its end
 
 
-def test_rows_of_different_robots_end_in_zeros():
+def test_rows_of_different_robots_end_in_zeros() -> None:
     scenario = arena(2)
     mixed = scenario.model_copy(
         update={
             "models": {
                 **scenario.models,
                 "n": scenario.models["m"].model_copy(
-                    update={
-                        "drive": type(Scenario.load("swap", n=2).models["disc"].drive)(
-                            kind="differential", speed=1.0, turn_rate=1.0
-                        )
-                    }
+                    update={"drive": DriveSpec.of(DifferentialDrive(speed=1.0, turn_rate=1.0))}
                 ),
             },
             "robots": (scenario.robots[0], scenario.robots[1].model_copy(update={"model": "n"})),
@@ -438,7 +455,7 @@ def test_rows_of_different_robots_end_in_zeros():
 # Rewards
 
 
-def test_rewards_are_sums_of_terms():
+def test_rewards_are_sums_of_terms() -> None:
     weights = {"progress": 2.0, "arrival": 7.0, "collision": -3.0, "time": -0.5, "effort": -1.0}
     simulator = Simulator(arena(2), observation=QUIET, reward=Reward(weights), autoreset=False)
     simulator.reset()
@@ -456,7 +473,7 @@ def test_rewards_are_sums_of_terms():
 
 
 @pytest.mark.parametrize(("goal", "reward"), [((-2.0, 5.0), -5.0), ((-4.0, 0.75), -1.0)])
-def test_bodies_that_are_no_robots_may_cost_more(goal, reward):
+def test_bodies_that_are_no_robots_may_cost_more(goal: tuple[float, float], reward: float) -> None:
     scenario = arena(2, bodies=[{"position": (-2.0, 5.0, 0.0)}])  # the wall's y: 3 to 7 m
     weights = Reward({"collision": -1.0, "obstacle": -4.0})
     simulator = Simulator(scenario, observation=QUIET, reward=weights, autoreset=False)
@@ -469,10 +486,10 @@ def test_bodies_that_are_no_robots_may_cost_more(goal, reward):
     assert step.rewards.tolist() == [[reward, 0.0]]
 
 
-def test_own_terms_see_the_batch_before_worlds_reset():
-    seen = []
+def test_own_terms_see_the_batch_before_worlds_reset() -> None:
+    seen: list[Ints] = []
 
-    def crowding(simulator):
+    def crowding(simulator: Simulator) -> Floats:
         seen.append(simulator.steps.copy())
         return -simulator.remaining
 
@@ -490,7 +507,7 @@ def test_own_terms_see_the_batch_before_worlds_reset():
         simulator.step(still(simulator))
 
 
-def test_closeness_and_clearance():
+def test_closeness_and_clearance() -> None:
     scenario = arena(1, bodies=[{"position": (0.0, 0.0, 0.0)}])
     reward = Reward({"closeness": -1.0}, near=10.0)
     simulator = Simulator(scenario, observation=QUIET, reward=reward)
@@ -505,7 +522,7 @@ def test_closeness_and_clearance():
 # Waypoints
 
 
-def test_robots_drive_to_waypoints_which_set_masks():
+def test_robots_drive_to_waypoints_which_set_masks() -> None:
     scenario = arena(2, bodies=[{"position": (0.0, 0.0, 0.0)}])
     simulator = Simulator(scenario, observation=QUIET, actions="way_points", way_point_seconds=2.0)
     simulator.reset()
@@ -518,7 +535,7 @@ def test_robots_drive_to_waypoints_which_set_masks():
 
 
 @pytest.mark.parametrize("name", ["swap", "intersection", "forest", "cell"])
-def test_waypoints_work_with_every_drive(name):
+def test_waypoints_work_with_every_drive(name: str) -> None:
     simulator = Simulator(name, 2, actions="way_points", observation=Observation(path_hint=True))
     simulator.reset(seed=0)
     rng = np.random.default_rng(0)
@@ -532,7 +549,7 @@ def test_waypoints_work_with_every_drive(name):
 # Episodes
 
 
-def test_random_starts_are_free_and_depend_on_seed_and_episode():
+def test_random_starts_are_free_and_depend_on_seed_and_episode() -> None:
     simulator = Simulator("random", 4, starts="random", observation=QUIET)
     simulator.reset(seed=10)
     first = simulator.configurations.copy()
@@ -547,11 +564,11 @@ def test_random_starts_are_free_and_depend_on_seed_and_episode():
     np.testing.assert_array_equal(one.configurations[0], first[2])
 
 
-def test_a_frozen_set_gives_the_episodes():
+def test_a_frozen_set_gives_the_episodes() -> None:
     cases = frozen("random", cases=5, n=3)
     simulator = Simulator(cases, 6, observation=QUIET)
     simulator.reset(seed=0)
-    seen = set()
+    seen: set[int] = set()
     for _ in range(4):
         for k in range(6):
             starts = simulator.configurations[k]
@@ -567,7 +584,7 @@ def test_a_frozen_set_gives_the_episodes():
     assert len(seen) > 2
 
 
-def test_copies_continue_identically():
+def test_copies_continue_identically() -> None:
     simulator = Simulator("warehouse", 2, n=8, starts="random", cases=None)
     simulator.reset(seed=4)
     rng = np.random.default_rng(0)
@@ -588,7 +605,7 @@ def test_copies_continue_identically():
 
 @given(st.binary(max_size=60), st.integers(0, 10_000))
 @settings(max_examples=60, deadline=None)
-def test_a_damaged_state_is_an_error(junk, at):
+def test_a_damaged_state_is_an_error(junk: bytes, at: int) -> None:
     simulator = Simulator(arena(2), observation=QUIET)
     simulator.reset()
     state = simulator.state()
@@ -612,7 +629,7 @@ UNBOUNDED = arena(2).replace(workspace=None)
         (lambda: Simulator("swap", 0), "worlds: got 0, expected an integer from 1 to"),
         (lambda: Simulator("swap", actions="jump"), "actions: got 'jump', expected drive or way"),
         (lambda: Simulator("swap", starts="any"), "starts: got 'any', expected scenario or random"),
-        (lambda: Simulator(3), "scenario: got int, expected a name"),
+        (lambda: Simulator(3), "scenario: got int, expected a name"),  # type: ignore[arg-type]
         (lambda: Simulator(arena(2), n=3), "overrides: got n, expected with the name"),
         (lambda: Simulator(arena(2).replace(robots=())), "got 'arena' without robots"),
         (lambda: Simulator(UNBOUNDED, starts="random"), "give the scenario a workspace"),
@@ -623,12 +640,12 @@ UNBOUNDED = arena(2).replace(workspace=None)
         (lambda: Observation(rays=0), "rays: got 0, expected 1 to 100000"),
     ],
 )  # fmt: skip
-def test_invalid_arguments_are_errors(make, message):
+def test_invalid_arguments_are_errors(make: Callable[[], object], message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         make()
 
 
-def test_invalid_actions_are_errors_and_change_nothing():
+def test_invalid_actions_are_errors_and_change_nothing() -> None:
     simulator = Simulator(arena(2), 2, observation=QUIET)
     with pytest.raises(RuntimeError, match="before the first reset"):
         simulator.step(np.zeros((2, 2, 3)))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from fgenv import _core
+from fgenv.arrays import Flags, Floats, Indices, Ints
 from fgenv.envs import Simulator
 from fgenv.envs.state_readers import MOVING, PARKED
 from fgenv.robots.footprint import enclosing_discs, enclosing_radius, footprint_size, is_elongated
@@ -20,13 +22,13 @@ NARROW = 1 / 3  # of half the width: cells with less clearance cost 2
 class Grid(NamedTuple):
     """Costs (layers, nx, ny), 0: closed; center of the first cell; side of a cell."""
 
-    costs: np.ndarray
-    low: np.ndarray
+    costs: Ints
+    low: Floats
     side: float
 
-    def axis(self, k):
+    def axis(self, k: int) -> Floats:
         """Centers of the cells on an axis, meters."""
-        return self.low[k] + self.side * np.arange(self.costs.shape[k + 1])
+        return np.asarray(self.low[k] + self.side * np.arange(self.costs.shape[k + 1]))
 
 
 class Planner:
@@ -47,9 +49,10 @@ class Planner:
             for robot, (centers, _) in zip(self.robots, self.discs, strict=True)
         ]
 
-    def paths(self):
+    def paths(self) -> dict[int, Floats]:
         """Return the path (k, 3) of each moving robot."""
-        grids, paths = {}, {}
+        grids: dict[int, Grid] = {}
+        paths: dict[int, Floats] = {}
         for i in self.moving:
             empty = self.empty_grid(i)
             grids[i] = self.block(i, empty, self.parked, self.q[self.parked])
@@ -61,9 +64,9 @@ class Planner:
         waiting = self.waiting(grids, paths) if self.waits else set()
         return {i: np.stack([self.q[i]] * 2) if i in waiting else paths[i] for i in self.moving}
 
-    def waiting(self, grids, paths):
+    def waiting(self, grids: dict[int, Grid], paths: dict[int, Floats]) -> set[int]:
         """Return the robots that wait for others to park."""
-        waits = {i: set() for i in paths}
+        waits: dict[int, set[int]] = {i: set() for i in paths}
         for i, j in itertools.permutations(paths, 2):
             if i in waits[j] or not self.blocks_route(i, j, grids[j], paths[j]):
                 continue
@@ -75,7 +78,7 @@ class Planner:
                     waits[k] |= first
         return {i for i in paths if waits[i]}
 
-    def blocks_route(self, i, j, grid, path):
+    def blocks_route(self, i: int, j: int, grid: Grid, path: Floats) -> bool:
         """Whether robot i at its goal blocks the only path of robot j, or overlaps it."""
         goal = self.goals[i]
         if not self.overlaps(i, goal, j, path):
@@ -85,12 +88,19 @@ class Planner:
         blocked = self.block(j, grid, [i], goal[None], with_extra=False)
         return find_path(blocked, path[0], path[-1]) is None
 
-    def overlaps(self, i, q, j, path):
+    def overlaps(self, i: int, q: Floats, j: int, path: Floats) -> bool:
         """Whether the discs of robot i at a configuration overlap robot j on a path."""
         (centers, radius), (_, other) = self.discs[i], self.discs[j]
         return distance(path, discs_at(centers, q)) < radius + other
 
-    def block(self, i, grid, robots, configurations, with_extra=True):
+    def block(
+        self,
+        i: int,
+        grid: Grid,
+        robots: list[int],
+        configurations: Iterable[Floats],
+        with_extra: bool = True,
+    ) -> Grid:
         """Return the grid of robot i without the cells that other robots take."""
         costs = grid.costs.copy()
         for j, q in zip(robots, configurations, strict=True):
@@ -99,7 +109,9 @@ class Planner:
             costs[closed] = 0
         return grid._replace(costs=costs)
 
-    def taken(self, i, grid, j, q, with_extra=True):
+    def taken(
+        self, i: int, grid: Grid, j: int, q: Floats, with_extra: bool = True
+    ) -> tuple[Flags, Flags]:
         """Return the cells near to robot j, and those where robot i would overlap it."""
         (own, radius), (others, other) = self.discs[i], self.discs[j]
         apart = radius + other + with_extra * (self.extra[i] + self.extra[j])
@@ -112,7 +124,7 @@ class Planner:
         near = squared < (apart + NARROW * (radius + self.extra[i])) ** 2
         return near, squared < apart**2
 
-    def empty_grid(self, i):
+    def empty_grid(self, i: int) -> Grid:
         """Return the grid of robot i among the static bodies."""
         robot, (centers, radius) = self.robots[i], self.discs[i]
         size = float(np.abs(centers).max()) + radius + self.extra[i]
@@ -139,9 +151,9 @@ class Planner:
         return grid._replace(costs=np.where(best == 3, 0, best))
 
 
-def find_path(grid, start, goal):
+def find_path(grid: Grid, start: Floats, goal: Floats) -> Floats | None:
     """Return the cheapest path (k, 3), None if there is none."""
-    cells = _core.cheapest_path(grid.costs, *(nearest_open(grid, q) for q in (start, goal)))
+    cells = _core.cheapest_path(grid.costs, nearest_open(grid, start), nearest_open(grid, goal))
     if not len(cells):
         return None
     corners = grid.low + grid.side * turns_of(cells[:, 1:])[1:-1]
@@ -150,7 +162,7 @@ def find_path(grid, start, goal):
     return np.column_stack([points, [start[2], *yaws[1:], goal[2]]])
 
 
-def nearest_open(grid, q):
+def nearest_open(grid: Grid, q: Floats) -> Indices:
     """Return the open cell nearest to a configuration; if all are closed, the cell there."""
     layers, *size = grid.costs.shape
     heading = q[2] * HEADINGS / (2 * math.pi) if layers > 1 else 0.0
@@ -160,18 +172,18 @@ def nearest_open(grid, q):
         return np.clip(np.round(at).astype(np.int64), 0, np.array([layers, *size]) - 1)
     by = cells - at
     by[:, 0] = np.remainder(by[:, 0] + HEADINGS / 2, HEADINGS) - HEADINGS / 2
-    return cells[(by**2).sum(axis=1).argmin()]
+    return np.asarray(cells[(by**2).sum(axis=1).argmin()])
 
 
-def turns_of(cells):
+def turns_of(cells: Ints) -> Ints:
     """Return the cells (k, 2) where a path begins, changes its direction and ends."""
     cells = cells[np.concatenate([[True], (np.diff(cells, axis=0) != 0).any(axis=1)])]
     steps = np.diff(cells, axis=0)
     turns = np.flatnonzero((steps[1:] != steps[:-1]).any(axis=1)) + 1
-    return cells[np.concatenate([[0], turns, [len(cells) - 1]])]
+    return np.asarray(cells[np.concatenate([[0], turns, [len(cells) - 1]])])
 
 
-def distance(path, points):
+def distance(path: Floats, points: Floats) -> float:
     """Return meters between a path (n, 3), or a point (1, 3), and the nearest of points (k, 2)."""
     begins = path[: max(1, len(path) - 1), :2]
     legs, to = path[-len(begins) :, :2] - begins, points[:, None] - begins
@@ -183,7 +195,7 @@ def distance(path, points):
     return math.sqrt(float((by**2).sum(axis=2).min()))
 
 
-def discs_at(ahead, q):
+def discs_at(ahead: Floats, q: Floats) -> Floats:
     """Return points (k, 2) at distances ahead of a base at x, y, yaw."""
     sine, cosine = _core.sin_cos(q[2:])
-    return q[:2] + np.multiply.outer(ahead, np.array([cosine[0], sine[0]]))
+    return np.asarray(q[:2] + np.multiply.outer(ahead, np.array([cosine[0], sine[0]])))
