@@ -1,4 +1,4 @@
-"""What all tests share: quiet, repeatable hypothesis; the instruction sets to run under."""
+"""Set-up of all tests: repeatable hypothesis without deadlines, and the instruction sets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Archives: the id is the hash that the format says, and what another program wrote is told."""
+"""Archives: the id is the documented hash; files of other programs raise an error."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fgenv.archive import Archive
 
 
 class OddError(ValueError):
-    """Of the archives here."""
+    """Error of the archives in this module."""
 
 
 ODD = Archive("odd", 2, ("about",), OddError, "make it again", dtypes={"marks": "<i4"})

@@ -1,4 +1,4 @@
-"""Every example is short, has its picture in the README, and is drawn by what it did."""
+"""Every example is short, has its picture in the README, and draws its own result."""
 
 import re
 import runpy

@@ -1,4 +1,4 @@
-"""What the README shows works as shown."""
+"""The README's examples work as shown."""
 
 import re
 from pathlib import Path
@@ -144,7 +144,7 @@ def test_motions_are_as_shown() -> None:
 
 
 def test_pictures_are_there_and_small() -> None:
-    """Those shown are committed, those committed are shown, and a clone stays small."""
+    """Exactly the committed pictures are shown, and a clone stays small."""
     shown = set(re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README))
     root = Path(__file__).parent.parent
     kept = {

@@ -12,7 +12,7 @@ from fgenv import _core
 
 KINDS = np.array(["valley", "ridge", "border", "patch", "chord"])
 METHODS = ("exact", "crease", "loop")
-DENSE_LIMIT = 20_000  # feature points; the dense matrix of more is over 400 MB
+DENSE_LIMIT = 20_000  # feature points; a larger dense matrix exceeds 400 MB
 
 
 class Settings(NamedTuple):
@@ -30,13 +30,13 @@ def settings(
     tolerance: float | None = None,
     angle: float | tuple[float, float] | None = None,
 ) -> Settings:
-    """Check a choice of method.
+    """Validate a choice of method.
 
     Args:
-        method: `exact`, `crease` or `loop`; with `tolerance` leave it out.
-        tolerance: meters; 0 is `exact`, more keeps the borders of patches no thicker than this.
-        angle: for `crease` and `loop`, radians: how far an edge bends from flat to be a feature
-            (default 30 degrees), or the published pair (alpha_valley, alpha_ridge), an edge being
+        method: `exact`, `crease` or `loop`; omit it if `tolerance` is given.
+        tolerance: meters; 0 is `exact`, more keeps the borders of patches up to this thick.
+        angle: radians, for `crease` and `loop`: smallest bend of a feature edge
+            (default 30 degrees), or the published pair (alpha_valley, alpha_ridge): an edge is
             a feature if its dihedral angle is below the first or above the second.
     """
     if method == "tolerance" and tolerance is None:
@@ -81,8 +81,8 @@ def _thresholds(angle: Any) -> tuple[float, float]:
 class FeatureGraph:
     """Feature points of a mesh and the edges between them.
 
-    `loop` is the published head-to-tail cycle, kept for comparison: unsound. `crease` keeps edges
-    by dihedral angle, `exact` all that are not flat, a tolerance the borders of patches.
+    `loop` is the published head-to-tail cycle: unsound, for comparison. `crease` keeps edges
+    by dihedral angle, `exact` all edges that are not flat, a tolerance the borders of patches.
 
     Args:
         vertices: (n, 3) meters.
@@ -95,8 +95,8 @@ class FeatureGraph:
         kinds: (m,) str: valley, ridge, border, patch or chord.
         adjacency: packed as published, one triangle only: uint8, `np.packbits` of the strict upper
             triangle of the symmetric n x n 0/1 matrix, row by row.
-        tolerance: meters: a contact that the graph misses is no deeper than this (the sum over both
-            shapes); 0 for `exact`, infinite where `crease` has no bound, None for `loop`.
+        tolerance: meters; a contact that the graph misses is no deeper than this (the sum over both
+            shapes); 0 for `exact`, infinite if `crease` has no bound, None for `loop`.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Mesh files, read by trimesh without its changes to the mesh."""
+"""Mesh files, read with trimesh but without its repairs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .feature_graph import is_number
 def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices (n, 3) in meters and faces (m, 3) of a mesh file.
 
-    trimesh turns no axis: a COLLADA or GLB file keeps its own up axis.
+    Axes are not converted: a COLLADA or GLB file keeps its own up axis.
 
     Raises:
         FileNotFoundError: no such file.
@@ -35,7 +35,7 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
         raise ValueError(f"path: {path} has an unknown format, expected one of {', '.join(known)}")
     try:
         mesh = trimesh.load_mesh(path, process=False)
-    except Exception as error:  # trimesh raises whatever its many readers raise
+    except Exception as error:  # trimesh passes on any exception of its readers
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise ValueError(f"path: {path} cannot be read ({reason}), export it again") from error
     vertices = np.asarray(getattr(mesh, "vertices", ()), dtype=np.float64)

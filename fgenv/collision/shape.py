@@ -18,28 +18,28 @@ IDENTITY = np.eye(4)
 
 
 class MeshWarning(UserWarning):
-    """What was repaired in a mesh, or that it has no inside; told once a shape."""
+    """Repairs of a mesh, or a mesh without an inside; issued once per shape."""
 
 
 class Shape(_core.Shape):
-    """A mesh ready for queries, shared by every body that has this form.
+    """A mesh prepared for queries; bodies of the same form share it.
 
-    Vertices at equal positions become one; faces of zero area and repeated faces go; faces wound
-    against their neighbors are turned. What was done stands in `repairs` and is warned of once.
-    Closed shells are solid: what has a winding number other than 0 in them is inside, and collides.
+    Merges vertices at equal positions, drops faces of zero area and repeated faces, and turns faces
+    wound against their neighbors. `repairs` lists the repairs; a `MeshWarning` reports them once.
+    Closed shells are solid: points with a winding number other than 0 are inside, and collide.
     The rest of a mesh that is not watertight is a surface.
 
     Args:
         vertices: (n, 3) finite, meters.
         faces: (m, 3) whole numbers, vertex indices.
         method: `exact` (default), `crease`, or `loop` (published, unsound, for comparison).
-        tolerance: meters: instead of a method, keep the borders of patches this thick; a contact
-            that is missed is no deeper than the sum of both shapes' tolerances.
+        tolerance: meters; replaces `method`: keep the borders of patches this thick. A missed
+            contact is no deeper than the sum of both shapes' tolerances.
         angle: radians, for `crease` and `loop`; see `FeatureGraph`.
-        name: for messages.
+        name: used in messages.
 
     Raises:
-        ValueError, TypeError: naming the argument, what came and what is expected.
+        ValueError, TypeError: invalid argument, with its name, its value and the expected value.
     """
 
     def __init__(
@@ -68,15 +68,15 @@ class Shape(_core.Shape):
         angle: float | tuple[float, float] | None = None,
         name: str | None = None,
     ) -> Shape:
-        """Read a mesh file (STL, OBJ, PLY, OFF, GLB, DAE: what trimesh reads) as it stands.
+        """Read a mesh file (STL, OBJ, PLY, OFF, GLB, DAE, ...) with trimesh, without changes.
 
         Args:
-            path: the file; a scene's meshes become one, placed as the scene says.
+            path: the file; the meshes of a scene are placed and joined into one.
             scale: factor to meters, e.g. 0.001 for a file in millimeters.
-            name: the file's stem if left out.
+            name: default: the file's stem.
 
         Raises:
-            FileNotFoundError, ValueError: naming the file and the remedy.
+            FileNotFoundError, ValueError: with the file's name and the remedy.
         """
         from .mesh_files import read_mesh_file
 
@@ -102,7 +102,7 @@ class Shape(_core.Shape):
     def contains(
         self, points: ArrayLike, T: ArrayLike | None = None, *, threads: int | None = None
     ) -> NDArray[np.bool_]:
-        """Whether points (..., 3) are inside the solid or on its surface, placed at T (..., 4, 4).
+        """Whether points (..., 3) are inside the solid at pose T (..., 4, 4) or on its surface.
 
         Inside means that the winding number is not 0. ValueError unless the mesh is watertight.
         """
@@ -120,8 +120,8 @@ class Shape(_core.Shape):
         """First hits of rays on the surface, from either side.
 
         Args:
-            origins, directions: (..., 3), world; a direction's length does not matter, but 0.
-            T: pose of the shape (..., 4, 4), the origin's if left out.
+            origins, directions: (..., 3), world frame; directions have any length above 0.
+            T: pose of the shape (..., 4, 4); default: identity.
             max_distance: meters.
 
         Returns:
@@ -138,7 +138,7 @@ class Shape(_core.Shape):
         return f"Shape({label}{len(self.faces)} faces, {kind}, {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # With the flat faces that were dropped: without them a shell that they close would be open.
+        # Includes the dropped flat faces: a shell that they close would otherwise be open.
         flat = self.flat_faces.reshape(-1, 3)
         more = np.arange(len(flat), dtype=np.int32).reshape(-1, 3) + len(self.vertices)
         mesh = np.vstack([self.vertices, flat]), np.vstack([self.faces, more])
@@ -147,7 +147,7 @@ class Shape(_core.Shape):
     def _report(self) -> None:
         label = f"mesh {self.name!r}" if self.name else "mesh"
         done = {what: n for what, n in self.repairs.items() if n}
-        if not done.keys() <= {"merged_vertices"}:  # an STL file repeats every vertex: no news
+        if not done.keys() <= {"merged_vertices"}:  # expected: an STL file repeats every vertex
             told = ", ".join(f"{n} {what.replace('_', ' ')}" for what, n in done.items())
             warnings.warn(f"{label} repaired: {told}", MeshWarning, stacklevel=4)
         if not self.watertight:

@@ -163,7 +163,7 @@ class _Search:
     def push(
         self, parent: int, edge: int, vertex: int, interval: int, start: int, end: int
     ) -> None:
-        """Add an entry whose edge starts at the earliest at instant `start`."""
+        """Add an entry with an edge that starts at instant `start` or later."""
         cost_to_go = self.cost_to_go[vertex]
         f = max(start + self.duration(edge) + self.weight * cost_to_go, self.earliest_end)
         heappush(self.queue, (f, cost_to_go, parent, edge, vertex, interval, start, end))

@@ -97,7 +97,7 @@ def test_a_row_does_not_depend_on_the_others() -> None:
     ("given", "message"),
     [
         ([], "layers: got none, expected at least one"),
-        ([(np.ones(3), np.ones(3), "tanh")], r"layers\[0\]: weights of shape \(3,\)"),
+        ([(np.ones(3), np.ones(3), "tanh")], r"layers\[0\]: got weights of shape \(3,\)"),
         ([(np.ones((2, 3)), np.ones(2), "tanh")], r"offsets of shape \(2,\), expected \(3,\)"),
         (
             [(np.ones((2, 3)), np.ones(3), "gelu")],
@@ -117,7 +117,7 @@ def test_invalid_layers_raise(given: list[Any], message: str) -> None:
 
 def test_invalid_rows_raise() -> None:
     network = _core.Network(layers(4, 2))
-    with pytest.raises(ValueError, match=r"rows: shape \(3, 5\), expected \(..., 4\)"):
+    with pytest.raises(ValueError, match=r"rows: got shape \(3, 5\), expected \(..., 4\)"):
         network.run(np.ones((3, 5)), None)
-    with pytest.raises(ValueError, match=r"rows\[1, 2\] is nan"):
+    with pytest.raises(ValueError, match=r"rows\[1, 2\]: got nan"):
         network.run([[0.0, 0, 0, 0], [0, 0, np.nan, 0]], None)

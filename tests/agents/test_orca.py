@@ -249,7 +249,7 @@ def test_robots_without_a_planar_base_raise() -> None:
 
 
 def test_invalid_arguments_raise() -> None:
-    with pytest.raises(ValueError, match=r"discs: shape \(3,\), expected \(worlds, discs, 6\)"):
+    with pytest.raises(ValueError, match=r"discs: got shape \(3,\), expected \(worlds, discs, 6\)"):
         _core.orca(np.zeros(3), [], [], points=[], **SETTINGS)
     points = np.zeros((1, 1, 0, 2))
     with pytest.raises(ValueError, match="horizon: got 0"):
@@ -260,7 +260,7 @@ def test_invalid_arguments_raise() -> None:
             points=points,
             **SETTINGS | {"horizon": 0},
         )
-    with pytest.raises(ValueError, match="preferred: shape"):
+    with pytest.raises(ValueError, match="preferred: got shape"):
         _core.orca(np.zeros((1, 1, 6)), np.zeros((1, 2)), [[1]], points=points, **SETTINGS)
 
 

@@ -132,7 +132,7 @@ def test_invalid_targets_raise(mode: str) -> None:
     simulator = Simulator("swap", n=2, actions=mode)
     simulator.reset(seed=0)
     view = View(simulator)
-    with pytest.raises(ValueError, match=r"targets: (got )?shape \(2, 3\), expected \(1, 2, 3\)"):
+    with pytest.raises(ValueError, match=r"targets: got shape \(2, 3\), expected \(1, 2, 3\)"):
         view.toward(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="targets"):
         view.toward(np.full((1, 2, 3), np.nan))

@@ -163,9 +163,12 @@ def test_bad_input_is_2_and_one_line(
 @pytest.mark.parametrize(
     ("bad", "message"),
     [
-        (np.full((1, 2, 2), np.nan), "actions[0, 0, 0] is nan, expected a number in [-1, 1]"),
-        (np.zeros((1, 3, 2)), "actions: shape (1, 3, 2), expected (1, 2, 2)"),
-        (None, "actions: dtype object, expected float64"),
+        (np.full((1, 2, 2), np.nan), "actions[0, 0, 0]: got nan, expected a number in [-1, 1]"),
+        (
+            np.zeros((1, 3, 2)),
+            "actions: got shape (1, 3, 2), expected (1, 2, 2)",
+        ),
+        (None, "actions: got dtype object, expected float64"),
     ],
 )
 def test_invalid_actions_of_a_policy_are_errors(

@@ -1,4 +1,4 @@
-"""Each bad input gives one clear error: the argument, what came, what is expected."""
+"""Invalid input raises one error with the argument, the given and the expected value."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def vertices_with(value: float) -> np.ndarray[Any, Any]:
 
 
 def says(error: Exception, *words: str) -> None:
-    """The message is one line that holds every word."""
+    """Assert that the message is one line that contains every word."""
     text = str(error)
     assert "\n" not in text.strip()
     for word in words:
-        assert re.search(word, text), f"{text!r} does not tell {word!r}"
+        assert re.search(word, text), f"{text!r} does not contain {word!r}"
 
 
 # Meshes
@@ -145,7 +145,7 @@ def test_a_file_of_something_else(extension: str, content: bytes, tmp_path: Path
 
 @pytest.mark.parametrize("extension", ["stl", "ply", "off", "glb", "dae", "obj"])
 def test_a_truncated_file(extension: str, tmp_path: Path) -> None:
-    """Cut at any place: read in part, or refused in words."""
+    """A file cut at any place is read in part or raises an error."""
     trimesh.Trimesh(*angle_iron()).export(tmp_path / f"whole.{extension}")
     whole = (tmp_path / f"whole.{extension}").read_bytes()
     path = tmp_path / f"cut.{extension}"
@@ -333,7 +333,7 @@ def test_bad_reaches(reach: float) -> None:
         CUBE.raycast([[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]], max_distance=reach)
 
 
-# What is fine, though it may look odd
+# Unusual but valid input
 
 
 def test_odd_but_fine() -> None:

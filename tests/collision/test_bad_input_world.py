@@ -1,4 +1,4 @@
-"""Every argument of every method of World: one clear error, and the world is as it was."""
+"""Invalid arguments of World's methods raise one clear error and leave the world unchanged."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def furnished() -> World:
 
 
 def state(world: World) -> list[Any]:
-    """All that can be read of it."""
+    """Everything that can be read from a world."""
     ids = world.ids.tolist()
     records = [world.record(body) for body in ids]
     return [
@@ -58,7 +58,7 @@ def state(world: World) -> list[Any]:
 
 @pytest.fixture
 def world() -> Any:
-    """A world that must be unharmed in the end, and still work."""
+    """A world that must be unchanged after the test, and must still work."""
     made = furnished()
     before = state(made)
     yield made
@@ -116,9 +116,9 @@ UNKNOWN: dict[str, tuple[Any, tuple[str, ...]]] = {
     "a negative id": (-1, ("-1", "ids")),
     "an id over 32 bits": (2**40, (str(2**40), "ids")),
     "an id that is 2 in its lowest 32 bits": (2**32 + 2, (str(2**32 + 2), "ids")),
-    "a name": ("nobody", ("nobody", "names")),
+    "a name": ("unknown", ("unknown", "names")),
     "an empty name": ("", ("names",)),
-    "a name cut off by a NUL": ("crate\0", ("named",)),
+    "a name cut off by a NUL": ("crate\0", ("names",)),
 }
 NO_BODIES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "None": (None, ("expected", "None")),
@@ -301,7 +301,7 @@ POSED: dict[str, tuple[str, Call]] = {
 def test_bad_poses(world: World, call: str) -> None:
     name, ask = POSED[call]
     for case, (value, error, words) in BAD_POSES.items():
-        if case != "None" or call != "add":  # there it is the origin's
+        if case != "None" or call != "add":  # default: identity
             refuses(partial(ask, world, value), rf"\b{name}\b", *words, error=error)
 
 
@@ -394,7 +394,7 @@ def test_bad_meters(world: World, call: str) -> None:
 @pytest.mark.parametrize("call", ["tolerance", "tolerance of many", "resolution"])
 def test_meters_over_zero(world: World, call: str) -> None:
     name, ask = METERS[call]
-    refuses(lambda: ask(world, 0.0), name, "over 0", error=ValueError)
+    refuses(lambda: ask(world, 0.0), name, "above 0", error=ValueError)
 
 
 @pytest.mark.parametrize("threads", [0, -1, 10**9, 1.5, "all", [2]])
@@ -433,7 +433,7 @@ def test_rays_that_can_not_be(world: World) -> None:
         refuses(partial(world.raycast, [0, 0, 0], [1, 0, 0], reach), "max_distance")
 
 
-# All or nothing, and what is fine
+# Atomic changes, and valid input
 
 
 def test_one_bad_body_or_pose_moves_none(world: World) -> None:
@@ -454,7 +454,7 @@ def test_one_bad_body_or_pose_moves_none(world: World) -> None:
 def test_odd_but_fine() -> None:
     world = furnished()
     world.set_pose(np.array(2, np.int8), at(3.0).astype(np.float32))
-    world.set_pose([2, 2], np.stack([at(5.0), at(9.0)]))  # named twice: the last stands
+    world.set_pose([2, 2], np.stack([at(5.0), at(9.0)]))  # the last of two poses counts
     assert world.poses(2)[0, 3] == 9.0
     assert world.add(CUBE, at(100.0).tolist(), name="\N{WARNING SIGN} \0 x") == 5
     assert world.record("\N{WARNING SIGN} \0 x").id == 5
@@ -469,7 +469,7 @@ def test_odd_but_fine() -> None:
     assert world.raycast([0.1, 0.2, 0.3], [1, 0, 0], 0.0).body == -1
 
 
-# Anything at all
+# Arbitrary arguments
 
 ANYTHING = st.one_of(
     ANY_ARRAY,
@@ -526,7 +526,7 @@ def test_anything_gives_an_answer_or_an_error(data: st.DataObject) -> None:
 
 
 def test_a_world_lets_go_of_its_shapes() -> None:
-    """When it is dropped, when a body goes, and after errors."""
+    """Shapes are released with the world, with their bodies, and after errors."""
     shape = Shape(*box(1.0))
     before = sys.getrefcount(shape)
     for _ in range(20):

@@ -1,4 +1,4 @@
-"""Where others fail: containment, flush faces, touching, slivers, thin, tiny and far bodies."""
+"""Edge cases: containment, flush faces, touching, slivers, and thin, tiny and far bodies."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def shape(solid: Solid) -> Shape:
 
 
 def verdicts(a: Shape, b: Shape, apart: Floats) -> set[bool]:
-    """Verdicts on b at `apart` in a's frame, in several places, both orders."""
+    """Results for b at `apart` in a's frame, at several places and in both orders."""
     found = set()
     for place in PLACES:
         found.add(bool(collide(a, place, b, place @ apart)))
@@ -93,7 +93,7 @@ def test_one_shell_of_several_inside_is_enough() -> None:
 
 @pytest.mark.parametrize(("pebbles", "cubes"), [(40, 3), (3, 40)])
 def test_the_one_part_inside_is_found_among_many(pebbles: int, cubes: int) -> None:
-    """Parts are looked up among solids or solids among parts, whichever are fewer."""
+    """The smaller set of parts and solids is searched in the larger one."""
     dust = shape(together(*(moved(ball(0.1), 3.0 * i, 0.0, 0.0) for i in range(pebbles))))
     crates = shape(together(*(moved(box(1.0), 0.0, 3.0 * i, 0.0) for i in range(cubes))))
     # the pebble at the end of its row, beside the crate at the end of its column or in it
@@ -112,7 +112,7 @@ def test_a_cavity_is_free_and_the_wall_around_it_solid() -> None:
 
 
 def test_shells_that_overlap_are_solid_where_they_do() -> None:
-    """Parity would call the common part of two balls empty; the winding number is 2 there."""
+    """The common part of two balls has winding number 2; parity would count it as outside."""
     lens = shape(together(moved(ball(1.0), x=-0.4), moved(ball(1.0), x=0.4)))
     assert verdicts(lens, shape(ball(0.05)), HERE) == {True}
 
@@ -176,12 +176,12 @@ def test_a_shape_collides_with_itself(solid: Solid) -> None:
 
 
 def test_touching_stays_touching_when_both_take_one_pose() -> None:
-    """The same matrix for both moves nothing against nothing, whatever its digits."""
+    """The same pose for both keeps the relative pose, independent of its digits."""
     rng = np.random.default_rng(7)
     places = np.stack([somewhere(rng) for _ in range(300)])
     cube, beside = shape(box(1.0)), shape(moved(box(0.5), x=0.75))
     assert collide(cube, places, beside, places).all()
-    sheet = shape(opened(ball(1.0)))  # no interior: only touching can show it
+    sheet = shape(opened(ball(1.0)))  # no interior, hence only a touch can be found
     assert collide(sheet, places, sheet, places).all()
     assert not collide(cube, places, shape(moved(box(0.5), x=0.75 + 1e-9)), places).any()
 
@@ -223,7 +223,7 @@ def test_flush_faces_outside_touch_where_they_are_exact() -> None:
 def test_flush_coplanar_sheets() -> None:
     sheet = Shape([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     small = Shape([[0.4, 0.2, 0], [0.6, 0.2, 0], [0.6, 0.3, 0]], [[0, 1, 2]])
-    assert collide(sheet, HERE, small, HERE)  # no edge crosses an edge
+    assert collide(sheet, HERE, small, HERE)  # no pair of edges crosses
     assert collide(small, HERE, sheet, HERE)
     assert collide(sheet, HERE, sheet, at(1.0, 0.0, 0.0))  # a shared edge
     assert collide(sheet, HERE, sheet, at(1.0, 1.0, 0.0))  # a shared corner
@@ -290,7 +290,7 @@ def test_a_tiny_body_beside_a_huge_one(large: float) -> None:
 
 
 def test_poses_a_thousand_kilometers_away() -> None:
-    """Verdicts on the poses as doubles give them, in whole numbers: 1e6 m is known to 1e-10 m."""
+    """Results for the given doubles, computed in integers: at 1e6 m a double resolves 1e-10 m."""
     a, b = shape(box(1.0)), shape(angle_iron(0.5, 0.1, 0.3))
     hits = 0
     for seed in range(60):
@@ -316,7 +316,7 @@ def test_a_nanometer_of_overlap_far_away(overlap: float) -> None:
 
 @pytest.mark.parametrize("depth", [1e-9, 3e-9, 1e-8, 1e-6])
 def test_overlaps_of_a_billionth_of_the_size_are_seen(depth: float) -> None:
-    """Faces, edges and corners that enter by `depth`, and stay out by as much, in any place."""
+    """Faces, edges and corners that penetrate by `depth`, or are separated by it, at any place."""
     cube = shape(box(1.0))
     turned = at()
     turned[:3, :3] = np.array([[1, -1, 0], [1, 1, 0], [0, 0, math.sqrt(2)]]) / math.sqrt(2)
@@ -341,12 +341,12 @@ def test_a_ball_clamped_in_a_slot_is_free_by_a_hair() -> None:
     assert verdicts(slot, tight, HERE) == {True}
 
 
-# Beyond the range of floats and of squares, found by fuzzing
+# Beyond the range of floats and of their squares; found by fuzzing
 
 
 @pytest.mark.parametrize("size", [1e9, 1e14])
 def test_faces_as_large_as_the_limit_collide(size: float) -> None:
-    """Or such a mesh is refused."""
+    """Or the mesh raises an error."""
     corners = size * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
     try:
         wall, tray = Shape(corners, [[0, 1, 2]]), shape(opened(box(size)))
@@ -361,7 +361,7 @@ def test_faces_as_large_as_the_limit_collide(size: float) -> None:
 
 @pytest.mark.parametrize("far", [1e9, 1.1e15, 1e20, 1e150])
 def test_distances_of_what_is_very_far_are_finite(far: float) -> None:
-    """Or such a pose is refused."""
+    """Or the pose raises an error."""
     cube = shape(box(1.0))
     try:
         gap = distance(cube, HERE, cube, at(far))
@@ -373,7 +373,7 @@ def test_distances_of_what_is_very_far_are_finite(far: float) -> None:
 
 @pytest.mark.parametrize("width", [1e-170, 5e-324])
 def test_a_needle_too_thin_for_a_normal_counts_as_flat(width: float) -> None:
-    """Its boxes had no axes, and most of its contacts were missed."""
+    """Regression: its boxes had no axes, and most of its contacts were missed."""
     needle = [[0.0, 0, 0], [0, 0, width], [0.0, 1, -4]]
     with pytest.raises(ValueError, match="zero area"):
         Shape(needle, [[0, 2, 1]])

@@ -1,4 +1,4 @@
-"""`exact` is the truth on real meshes: against python-fcl and coal, disputes settled exactly."""
+"""`exact` on real meshes against python-fcl and coal, with disagreements settled exactly."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
 
 class Jury:
-    """One pair of meshes, its poses and the verdicts on them."""
+    """A pair of meshes, its poses and the results for them."""
 
     def __init__(self, pair: MeshPair, count: int, seed: int) -> None:
         rng = np.random.default_rng(seed)
@@ -42,7 +42,7 @@ class Jury:
         parts = [self._place(count // 2, rng, decades) for decades in (NEAR, USUAL)]
         self.poses = np.concatenate(parts)
         self.verdicts = collide(self.a, self.pose_a, self.b, self.poses)
-        self.disputes: Counter[str] = Counter()  # what others said otherwise, by kind
+        self.disputes: Counter[str] = Counter()  # disagreements of other libraries, by kind
 
     def _place(self, count: int, rng: np.random.Generator, decades: tuple[float, float]) -> Floats:
         def judge(poses: Floats) -> NDArray[np.bool_]:
@@ -52,7 +52,7 @@ class Jury:
         return random_poses_batched(*meshes, self.pose_a, count, judge, rng, decades)
 
     def wrong(self) -> list[str]:
-        """Each verdict that another library contradicts and that isn't shown to be right."""
+        """Results that disagree with another library and are not confirmed exactly."""
         found = []
         for name, verdicts in (
             ("python-fcl", self.fcl.collide_all(self.poses)),
@@ -65,14 +65,14 @@ class Jury:
         return found
 
     def kind(self, i: int) -> str:
-        """Pose i: surfaces meet, in whole numbers; or they do not, and one body is inside."""
+        """Pose i in integer arithmetic: surfaces meet, or one body is inside the other."""
         if surfaces_meet(self.mesh_a, self.pose_a, self.mesh_b, self.poses[i]):
             return "surfaces meet"
         inside = one_is_inside(self.a, self.pose_a, self.b, self.poses[i])
         return "one inside" if inside else "free"
 
     def is_right(self, i: int) -> bool:
-        """Whether verdict i is shown to be right, by solid angles or in whole numbers."""
+        """Whether result i is confirmed, by solid angles or in integers."""
         place = self.mesh_a, self.pose_a, self.mesh_b, self.poses[i]
         if surfaces_meet(*place):
             return bool(self.verdicts[i]) or is_marginal(*place)
@@ -80,7 +80,7 @@ class Jury:
         return bool(self.verdicts[i]) == inside or is_marginal(*place)
 
     def missed_inside(self) -> list[str]:
-        """Poses called free although a vertex of one body is inside the other."""
+        """Poses reported as free although a vertex of one body is inside the other."""
         found = []
         relative = np.linalg.inv(self.pose_a) @ self.poses[~self.verdicts]
         for inner, outer, place in (
@@ -124,7 +124,7 @@ def test_the_pairs_come_from_several_packages() -> None:
 
 @pytest.mark.parametrize("pair", FEW[1:5], ids=lambda pair: pair.name)
 def test_verdicts_agree_with_whole_numbers(pair: MeshPair) -> None:
-    """No library between: a few poses of each pair, as close as 1e-7 of the size."""
+    """A few poses of each pair, as close as 1e-7 of the size, against exact integers."""
     jury = Jury(pair, 40, seed=5)
     assert all(jury.is_right(i) for i in range(len(jury.poses)))
 
@@ -134,7 +134,7 @@ def test_order_and_common_motion_change_nothing(pair: MeshPair) -> None:
     jury = Jury(pair, 300, seed=6)
     swapped = collide(jury.b, jury.poses, jury.a, jury.pose_a)
     assert (swapped == jury.verdicts).all()
-    # a common turn by a quarter is exact in doubles
+    # a common quarter turn is exact in doubles
     quarter = np.array([[0.0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
     turned = collide(jury.a, quarter @ jury.pose_a, jury.b, quarter @ jury.poses)
     assert (turned == jury.verdicts).all()
@@ -148,7 +148,7 @@ def test_tolerance_zero_is_exact(pair: MeshPair) -> None:
 
 
 def test_triangles_alone_agree_with_whole_numbers() -> None:
-    """Single triangles with small whole coordinates: touching, flush and crossing ones abound."""
+    """Single triangles with small integer coordinates often touch, lie flush or cross."""
     rng = np.random.default_rng(8)
     met = 0
     for _ in range(1500):

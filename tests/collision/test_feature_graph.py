@@ -1,4 +1,4 @@
-"""Feature graphs: what is in them, what they promise, and meshes as they come."""
+"""Feature graphs: contents and guarantees; repairs of input meshes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from fgenv.collision import FeatureGraph, MeshWarning, Shape, collide
 
 
 def both_are_solid(pair: MeshPair) -> bool:
-    """Only a solid has a depth to measure."""
+    """Penetration depth is defined only for solids."""
     return all(trimesh.Trimesh(m.vertices, m.faces).is_watertight for m in pair.load())
 
 
@@ -61,7 +61,7 @@ def kinds(graph: FeatureGraph) -> dict[str, int]:
     return {str(kind): int((graph.kinds == kind).sum()) for kind in np.unique(graph.kinds)}
 
 
-# What is in a graph
+# Contents of a graph
 
 
 def test_a_cube_has_twelve_ridges() -> None:
@@ -143,7 +143,7 @@ def test_faces_folded_flat_onto_each_other_end_at_their_edge() -> None:
 
 
 def test_exact_drops_flat_edges_only() -> None:
-    """A cube whose faces are cut into many triangles has the edges of the cube cut up, no more."""
+    """A cube with finely triangulated faces has only the subdivided edges of the cube."""
     fine = trimesh.Trimesh(*box(2.0)).subdivide().subdivide()
     graph = FeatureGraph(fine.vertices, fine.faces)
     assert len(graph.edges) == 12 * 4
@@ -194,7 +194,7 @@ def test_a_wider_tolerance_keeps_fewer_edges(tolerance: float) -> None:
 
 
 def test_patches_keep_to_their_slab_and_their_right_angle() -> None:
-    """The faces between patch borders: thickness, and normals, of each patch of a ball."""
+    """Thickness and normals of each patch of a ball, from the faces between patch borders."""
     shape = Shape(*ball(0.5, 3), tolerance=0.03)
     border = {
         frozenset(map(tuple, ends)) for ends in shape.graph.points[shape.graph.edges].tolist()
@@ -259,7 +259,7 @@ def mixed(truth: tuple[Shape, Shape], poses: Floats) -> tuple[Shape, Floats, Sha
     ids=str,
 )
 def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, Any]) -> None:
-    """Never a false hit; the deepest sampled point of a missed overlap is within the bound."""
+    """No false hits; the deepest sampled point of a missed overlap is within the bound."""
     meshes = pair.load()
     size = min(mesh.size for mesh in meshes)
     if "tolerance" in chosen:
@@ -282,7 +282,7 @@ def test_real_meshes_keep_the_certificate(pair: MeshPair, chosen: dict[str, Any]
 
 
 def depth(a: Shape, b: Shape, pose: Floats, rng: np.random.Generator) -> float:
-    """The deepest of many points that are inside both: distance to the nearer surface."""
+    """Depth of the deepest of many points inside both: distance to the nearer surface."""
     corners = np.concatenate([a.vertices, b.vertices @ pose[:3, :3].T + pose[:3, 3]])
     some = corners[rng.integers(len(corners), size=4000)]
     points = np.concatenate([corners, some + rng.normal(size=some.shape) * 0.02 * np.ptp(corners)])
@@ -295,7 +295,7 @@ def depth(a: Shape, b: Shape, pose: Floats, rng: np.random.Generator) -> float:
 
 
 def test_a_bump_that_sticks_out_does_not_hide_a_contained_body() -> None:
-    """Only a vertex off the feature graph pokes out: the graph's own points must be asked."""
+    """Only a vertex outside the feature graph protrudes: the graph's own points must be tested."""
     wall, inner = box(2.0), trimesh.creation.icosphere(subdivisions=3, radius=0.98)
     vertices = np.array(inner.vertices)
     vertices[np.argmax(vertices[:, 0])] *= 1.04 / 0.98  # a bump of one vertex through the wall
@@ -309,16 +309,16 @@ def test_containment_is_seen_by_every_sound_method(chosen: dict[str, Any]) -> No
     outer, inner = Shape(*box(2.0), **chosen), Shape(*box(0.3), **chosen)
     assert collide(outer, HERE, inner, HERE)
     assert collide(inner, HERE, outer, HERE)
-    # a smooth body has no crease at all, and is still somewhere
+    # a smooth body has no crease
     assert collide(outer, HERE, Shape(*ball(0.3), **chosen), HERE)
     hollow = Shape(*together(box(2.0), inverted(box(1.0))), **chosen)
     assert not collide(hollow, HERE, inner, HERE)
 
 
-# Meshes as they come
+# Repairs of input meshes
 
 
-def test_unmerged_vertices_become_one() -> None:
+def test_equal_vertices_are_merged() -> None:
     vertices, faces = box(1.0)
     soup = vertices[faces].reshape(-1, 3)
     shape = Shape(soup, np.arange(36).reshape(12, 3))
@@ -334,11 +334,11 @@ def test_negative_zero_is_zero() -> None:
     assert len(shape.vertices) == 3
 
 
-def test_useless_faces_go() -> None:
+def test_degenerate_faces_are_dropped() -> None:
     vertices, faces = box(1.0)
     vertices = np.vstack([vertices, [[9.0, 9.0, 9.0], 0.5 * (vertices[0] + vertices[1])]])
     extra = [faces[3], np.roll(faces[4], 1), [0, 0, 1], [0, 1, 9], [2, 2, 2]]
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         shape = Shape(vertices, np.vstack([faces, extra]), name="crate")
     assert len(shape.faces) == 12
@@ -346,7 +346,7 @@ def test_useless_faces_go() -> None:
     assert shape.repairs["duplicate_faces"] == 2
     assert shape.repairs["degenerate_faces"] == 3
     assert shape.watertight
-    (warning,) = [w for w in told if issubclass(w.category, MeshWarning)]
+    (warning,) = [w for w in caught if issubclass(w.category, MeshWarning)]
     assert "crate" in str(warning.message)
     assert kinds(shape.graph) == {"ridge": 12}
 
@@ -364,7 +364,7 @@ def test_inconsistent_winding_is_repaired() -> None:
     assert collide(shape, HERE, Shape(*box(0.1)), HERE)
 
 
-def test_shells_are_told_apart() -> None:
+def test_shells_are_separated() -> None:
     both = together(moved(box(1.0), x=-2.0), moved(ball(0.5), x=2.0))
     shape = Shape(*both)
     assert shape.watertight
@@ -404,13 +404,13 @@ def test_a_moebius_strip_is_a_surface() -> None:
     assert not collide(strip, HERE, Shape(*box(0.1)), HERE)
 
 
-def test_an_unmended_mesh_is_told_of_once() -> None:
-    with warnings.catch_warnings(record=True) as told:
+def test_an_open_mesh_warns_once() -> None:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         shape = Shape(*opened(box(1.0)), name="crate")
         collide(shape, HERE, shape, HERE)
         shape.raycast([0, 0, 0], [1, 0, 0])
-    (warning,) = told
+    (warning,) = caught
     assert "crate" in str(warning.message)
     assert "watertight" in str(warning.message)
     with warnings.catch_warnings():
@@ -448,7 +448,7 @@ def test_a_scene_of_several_meshes_becomes_one(tmp_path: Path) -> None:
     assert shape.bounds == pytest.approx(np.array([[-2.5, -0.5, -0.5], [2.5, 0.5, 0.5]]))
 
 
-def test_load_takes_what_shape_takes(tmp_path: Path) -> None:
+def test_load_accepts_the_arguments_of_shape(tmp_path: Path) -> None:
     trimesh.Trimesh(*ball(1.0)).export(tmp_path / "ball.stl")
     assert Shape.load(tmp_path / "ball.stl", method="loop").method == "loop"
     assert Shape.load(str(tmp_path / "ball.stl"), tolerance=0.1).graph.tolerance == pytest.approx(

@@ -1,4 +1,4 @@
-"""Arrays of any shape, type and value: an answer or an error in words, never a crash."""
+"""Arrays of any shape, type and value give a result or an error with a message, never a crash."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ COORDINATES = st.one_of(
 
 @st.composite
 def meshes(draw: st.DrawFn) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Well formed arrays of any geometry: folded, crossing, flat, far, tiny."""
+    """Valid arrays of any geometry: folded, crossing, flat, far, tiny."""
     n = draw(st.integers(1, 8))
     vertices = draw(hnp.arrays(np.float64, (n, 3), elements=COORDINATES))
     faces = draw(
@@ -75,7 +75,7 @@ def poses(draw: st.DrawFn) -> NDArray[np.float64]:
 
 
 def ask_everything(a: Shape, ta: Any, b: Shape, tb: Any) -> None:
-    """Every query on the two shapes; the answers must agree with each other."""
+    """Every query on the two shapes; the results must agree with each other."""
     hit = collide(a, ta, b, tb)
     gap = distance(a, ta, b, tb)
     assert np.all(np.asarray(gap) >= 0)
@@ -87,7 +87,7 @@ def ask_everything(a: Shape, ta: Any, b: Shape, tb: Any) -> None:
 
 
 def answers_or_explains(*calls: Callable[[], Any]) -> None:
-    """Every call returns, or raises an error with words."""
+    """Every call returns, or raises an error with a message."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         for call in calls:
@@ -98,7 +98,7 @@ def answers_or_explains(*calls: Callable[[], Any]) -> None:
 
 
 def explains(error: Exception) -> None:
-    """The error names something."""
+    """The error names an argument."""
     assert len(str(error)) > 10
 
 
@@ -145,7 +145,7 @@ def test_any_arrays_as_points_and_rays(
 )
 def test_any_settings(margin: Any, threads: Any, tolerance: Any, angle: Any, method: str) -> None:
     if isinstance(threads, int | float) and 16 < threads <= 4096:
-        threads = 16  # more is allowed, but no kindness to a small machine
+        threads = 16  # more threads are valid, but slow on a small machine
     a, b = SOLIDS[:2]
     answers_or_explains(
         lambda: collide(a, HERE[None], b, HERE, margin=margin),
@@ -171,7 +171,7 @@ def test_any_geometry(mesh: tuple[Any, Any], which: int, ta: Any, tb: Any) -> No
 
 
 def made(vertices: Any, faces: Any, **chosen: Any) -> Shape | None:
-    """The shape; None for a mesh without area, which is refused."""
+    """The shape; None for a mesh without area, which raises an error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -191,7 +191,7 @@ SMALL = st.integers(-2, 2).map(float)
     faces=hnp.arrays(np.int32, (2, 4, 3), elements=st.integers(0, 4)),
 )
 def test_small_whole_meshes_agree_with_whole_numbers(first: Any, second: Any, faces: Any) -> None:
-    """Degenerate on purpose: shared points, flush faces, borders, edges of many faces."""
+    """Degenerate meshes: shared points, flush faces, borders, edges of many faces."""
     a, b = made(first, faces[0]), made(second, faces[1])
     if a is None or b is None:
         return
@@ -209,7 +209,7 @@ def test_small_whole_meshes_agree_with_whole_numbers(first: Any, second: Any, fa
 
 @given(data=st.binary(max_size=300))
 def test_any_bytes_as_a_question(data: bytes) -> None:
-    """What the fuzzer in tests/fuzz does for hours, for a moment."""
+    """A short run of the fuzzer in tests/fuzz."""
     queries.ask(data)
 
 

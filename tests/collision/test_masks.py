@@ -1,7 +1,7 @@
-"""Laws of the masks: they hide no collision, and select.
+"""Laws of the masks: they never hide a collision, and they reduce the candidates.
 
-Random motions in worlds with standing paths, where bodies come, move, go and are carried, against a
-world without masks and against every pair at random instants.
+Random motions in worlds with paths, in which bodies are added, moved, removed and carried, against
+a world without masks and against all pairs at random instants.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Stage:
         self.all("set_pose", self.some(self.model.roots), somewhere(self.rng, SIZE))
 
     def come(self) -> None:
-        """A body moves into the path of a robot."""
+        """Move a body into the path of a robot."""
         robot = self.some(list(self.paths))
         others = [b for b in self.model.roots if b != robot]
         pose = self.paths[robot][self.rng.integers(len(self.paths[robot]))]
@@ -113,7 +113,7 @@ class Stage:
             del self.paths[robot]
 
     def let_go(self, body: int | None = None) -> None:
-        """A body goes on a trajectory, or comes off it."""
+        """Set or delete a body's trajectory."""
         body = self.some(self.model.roots) if body is None else body
         times = np.sort(self.rng.uniform(0.0, END, size=self.rng.integers(1, 4)))
         poses = wander(self.rng, len(times), SIZE)
@@ -131,7 +131,7 @@ class Stage:
 
 
 def motions(stage: Stage, robot: int, count: int) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """From poses, to poses, and which of the motions are pieces of legs of the robot's path."""
+    """Start poses, end poses, and flags of the motions along legs of the robot's path."""
     rng, path = stage.rng, stage.paths[robot]
     leg = rng.integers(max(len(path) - 1, 1), size=count)
     first, last = path[leg], path[np.minimum(leg + 1, len(path) - 1)]
@@ -147,7 +147,7 @@ def motions(stage: Stage, robot: int, count: int) -> tuple[Floats, Floats, NDArr
 
 
 def hides_nothing(stage: Stage, count: int) -> tuple[int, int]:
-    """`count` motions of a robot with a path; how many were free, how many candidates it has."""
+    """Check `count` motions of a robot with a path: numbers of free ones and of candidates."""
     rng = stage.rng
     robot = stage.some(list(stage.paths))
     starts, ends, along_path = motions(stage, robot, count)
@@ -160,7 +160,7 @@ def hides_nothing(stage: Stage, count: int) -> tuple[int, int]:
     without = stage.off.check_motion(robot, starts, ends, **how)
     for one, other in zip(with_masks[:5], without[:5], strict=True):
         np.testing.assert_array_equal(one, other)  # bit for bit
-    # every pair, at an instant of each motion and where a contact is shown
+    # all pairs, at an instant of each motion and at the reported contacts
     t = np.where(np.isfinite(with_masks.contact_by), with_masks.contact_by, rng.random(count))
     poses = along(starts, ends, t)
     times = None if window is None else window[0] + t * (window[1] - window[0])
@@ -177,7 +177,7 @@ def hides_nothing(stage: Stage, count: int) -> tuple[int, int]:
 
 
 def bits_are_candidates(stage: Stage) -> None:
-    """own_bit & mask(j) is not 0 exactly if j is a candidate; bits are single and apart."""
+    """own_bit & mask(j) is nonzero exactly for candidates j; bits are single and distinct."""
     bits = {robot: stage.on.own_bit(robot) for robot in stage.model.roots}
     assert {robot for robot, bit in bits.items() if bit} == set(stage.paths)
     assert all(bit & (bit - 1) == 0 for bit in bits.values())
@@ -197,7 +197,7 @@ def bits_are_candidates(stage: Stage) -> None:
 
 
 def may_meet(stage: Stage, robot: int, body: int) -> bool:
-    """Whether the body, where it is or may come, meets a motion box, by generous boxes."""
+    """Whether enlarged boxes of the body, at its pose or on its path, overlap a motion box."""
     if all(stage.model.ignores(part, body) for part in stage.model.parts(robot)):
         return False
     item, root = stage.model.items[body], stage.model.root(body)
@@ -214,7 +214,7 @@ def may_meet(stage: Stage, robot: int, body: int) -> bool:
 
 
 def clears(stage: Stage) -> None:
-    """A path that ends takes its bit from all masks, and in the end every mask is 0."""
+    """Deleting a path clears its bit in all masks; without paths every mask is 0."""
     for robot in list(stage.paths):
         bit = stage.on.own_bit(robot)
         stage.on.clear_path(robot)
@@ -224,7 +224,7 @@ def clears(stage: Stage) -> None:
 
 
 def performance(seed: int, changes: int, count: int) -> tuple[int, int, float, float]:
-    """Motions, how many of them free, mean number of candidates and of bodies."""
+    """Numbers of motions and of free ones, and mean numbers of candidates and bodies."""
     stage = Stage(np.random.default_rng(seed))
     free, chosen, bodies = 0, [], []
     for _ in range(changes):
@@ -240,12 +240,12 @@ def performance(seed: int, changes: int, count: int) -> tuple[int, int, float, f
 
 
 def performances(seeds: range, changes: int, count: int) -> int:
-    """How many motions were looked at."""
+    """Number of checked motions."""
     results = np.array([performance(seed, changes, count) for seed in seeds])
     total, free = results[:, :2].sum(axis=0)
     chosen, bodies = results[:, 2:].mean(axis=0)
     assert 0.2 < free / total < 0.8
-    assert chosen < 0.8 * bodies  # they do select
+    assert chosen < 0.8 * bodies  # the masks reduce the candidates
     return int(total)
 
 
@@ -258,7 +258,7 @@ def test_masks_hide_no_collision_in_a_million_motions() -> None:
     assert performances(range(1000, 1250), changes=16, count=250) >= 1_000_000
 
 
-# On paper
+# Known results
 
 
 def lanes() -> tuple[World, list[int], list[int]]:
@@ -279,7 +279,7 @@ def test_movers_do_not_see_each_others_candidates() -> None:
     assert (world.own_bit(one), world.own_bit(two)) == (1, 2)
     assert [world.mask(body) for body in (one, two, near_one, near_two, both)] == [1, 2, 1, 2, 3]
     before = world.tests
-    assert not world.check_motion(one, at(0.0), at(3.0)).checks  # nobody there
+    assert not world.check_motion(one, at(0.0), at(3.0)).checks  # no body there
     assert not world.check_motion(two, at(0.0, 10.0), at(3.0, 10.0)).checks
     assert world.tests == before
 
@@ -293,7 +293,7 @@ def test_movers_whose_paths_cross_see_each_other() -> None:
     world.set_path(two, [at(5.0, -5.0), at(5.0, 5.0)])
     assert world.candidates(one).tolist() == [two, cup]
     assert world.candidates(two).tolist() == [one]
-    world.set_path(two, [at(5.0, -5.0), at(9.0, -5.0)])  # planned anew
+    world.set_path(two, [at(5.0, -5.0), at(9.0, -5.0)])  # path replaced
     assert world.candidates(one).tolist() == world.candidates(two).tolist() == []
     world.set_trajectory(two, [0.0, 1.0], [at(5.0, -5.0), at(5.0, 0.0)])
     assert world.candidates(one).tolist() == [two, cup]
@@ -301,7 +301,7 @@ def test_movers_whose_paths_cross_see_each_other() -> None:
     assert world.candidates(one).tolist() == []
     world.set_path(two, [at(5.0, -5.0), at(5.0, 5.0)])
     assert world.candidates(one).tolist() == [two, cup]
-    world.clear_path(two)  # it stays where it is
+    world.clear_path(two)  # at rest
     assert world.candidates(one).tolist() == []
 
 
@@ -313,13 +313,13 @@ CHANGES: dict[str, tuple[str, Callable[[World], Any]]] = {
     "is going to ride": ("rider", lambda w: w.attach("rider", "train")),
     "has a path across": ("far", lambda w: w.set_path("far", [at(5, 9), at(5, -9)])),
     "is allowed no more": ("friend", lambda w: w.allow("robot", "friend", False)),
-    "is of a group allowed no more": ("mate", lambda w: w.allow_groups("b", "r", False)),
+    "is in a group that is included again": ("mate", lambda w: w.allow_groups("b", "r", False)),
     "is let go": ("held", lambda w: w.detach("held")),
 }
 
 
 @pytest.mark.parametrize("what", CHANGES)
-def test_a_body_that_comes_into_the_box_gets_the_bit_at_once(what: str) -> None:
+def test_a_body_that_enters_the_box_gets_the_bit_at_once(what: str) -> None:
     world = World()
     world.add(CUBE, name="robot", groups="r")
     world.add(CUBE, at(50.0), name="far")
@@ -350,7 +350,7 @@ def test_a_body_that_comes_into_the_box_gets_the_bit_at_once(what: str) -> None:
         assert world.collides("robot", at(5.0))
 
 
-def test_what_leaves_loses_the_bit_at_once() -> None:
+def test_a_body_that_leaves_loses_the_bit_at_once() -> None:
     world = World()
     world.add(CUBE, name="robot")
     for name in ("moves", "goes", "is carried", "is allowed"):
@@ -362,11 +362,16 @@ def test_what_leaves_loses_the_bit_at_once() -> None:
     for part in ("robot", "is carried"):
         world.allow("is allowed", part)
     assert world.candidates("robot").tolist() == []
-    assert [world.mask(name) for name in world.names] == [1, 0, 1, 0]  # what it carries bears it
+    assert [world.mask(name) for name in world.names] == [
+        1,
+        0,
+        1,
+        0,
+    ]  # carried bodies have the bit too
 
 
-def test_the_box_holds_the_whole_robot_all_along() -> None:
-    """Rotation and what it carries included, not the path of its reference point."""
+def test_the_box_encloses_the_whole_robot_along_the_leg() -> None:
+    """Includes rotation and carried bodies, not only the path of the reference point."""
     rng = np.random.default_rng(0)
     for seed in range(20):
         stage = Stage(np.random.default_rng(seed))
@@ -384,7 +389,7 @@ def test_the_box_holds_the_whole_robot_all_along() -> None:
                     assert (points <= high).all()
 
 
-def test_the_box_is_no_larger_than_it_need_be() -> None:
+def test_the_box_is_tight() -> None:
     world = World()
     bar = world.add(Shape(*box(2.0, 0.2, 0.2)))
     world.set_path(bar, [HERE, at(3.0)])
@@ -398,7 +403,7 @@ def test_the_box_is_no_larger_than_it_need_be() -> None:
     assert high[2] <= 0.12
 
 
-def test_the_box_shrinks_and_grows_with_what_is_carried() -> None:
+def test_the_box_follows_changes_of_carried_bodies() -> None:
     world = World()
     robot = world.add(CUBE)
     load = world.add(CUBE, at(0.0, 5.0))
@@ -417,7 +422,7 @@ def test_the_box_shrinks_and_grows_with_what_is_carried() -> None:
     assert (world.motion_boxes(robot) == alone).all()
 
 
-def test_a_motion_off_the_path_draws_its_own_box() -> None:
+def test_a_motion_outside_the_path_computes_its_own_candidates() -> None:
     world = World()
     robot = world.add(CUBE)
     wall = world.add(CUBE, at(0.0, 9.0))
@@ -426,7 +431,9 @@ def test_a_motion_off_the_path_draws_its_own_box() -> None:
     assert world.collides(robot, at(0.0, 9.0))
     assert world.check_motion(robot, HERE, at(0.0, 20.0)).other == wall
     assert world.check_motions([robot], [HERE], [at(0.0, 20.0)]).other.tolist() == [wall]
-    assert world.collides(robot, at(0.0, 7.9), margin=0.2)  # a margin reaches out of the box
+    assert world.collides(
+        robot, at(0.0, 7.9), margin=0.2
+    )  # with a margin the motion leaves the box
     world.set_pose(wall, at(10.05, 0.0))
     assert world.candidates(robot).tolist() == []
     assert not world.check_motion(robot, at(8.9), at(9.0), margin=0.1).free
@@ -434,7 +441,7 @@ def test_a_motion_off_the_path_draws_its_own_box() -> None:
 
 
 def test_masks_are_for_planning_only() -> None:
-    """Clearance, contacts and rays ask every body, whatever the masks say."""
+    """Clearance, contacts and rays test all bodies, independent of masks."""
     world = World()
     robot, wall = world.add(CUBE), world.add(CUBE, at(0.0, 9.0))
     world.set_path(robot, [HERE, at(9.0)])
@@ -445,7 +452,7 @@ def test_masks_are_for_planning_only() -> None:
     assert world.raycast([0, 0, 0], [0, 1, 0], ignore=robot).body == wall
 
 
-def test_a_result_says_what_masks_save() -> None:
+def test_a_result_reports_the_reduction_by_masks() -> None:
     rng = np.random.default_rng(3)
     saved = []
     for masks in ("path", "off"):

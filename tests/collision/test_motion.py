@@ -1,4 +1,4 @@
-"""Certified motion: on paper, against exact first contacts, against dense samples."""
+"""Certified motion against known results, exact first contacts and dense samples."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def scene(robot: Solid, *others: tuple[Solid, Floats]) -> World:
 
 
 def brackets(found: MotionResult, exact: float, path: float, tolerance: float = TOLERANCE) -> bool:
-    """Whether a contact at fraction `exact` is bracketed, on a path of so many meters."""
+    """Whether a contact at fraction `exact` is bracketed, on a path of a length in meters."""
     assert not found.free
     assert not found.unresolved
     rounding = 1e-9 / max(path, 1.0) + 1e-14
@@ -84,7 +84,7 @@ def test_a_bullet_does_not_pass_a_plate(length: float) -> None:
 @pytest.mark.parametrize("turn", [0.5, 1.6, 2.5, 3.0, 3.14159])
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_a_bar_that_turns_meets_a_post(turn: float, share: float) -> None:
-    """Where its side comes to the post's nearest edge, which a formula tells."""
+    """The contact is where its side reaches the post's nearest edge, known by a formula."""
     reach, half, thin = 0.9, 0.005, 0.01
     phi = share * turn
     post = turned(phi) @ at(reach)
@@ -111,7 +111,7 @@ def test_half_a_turn_goes_one_way_or_the_other() -> None:
 @pytest.mark.parametrize("turn", [0.5, 1.0, 2.0, 3.0])
 @pytest.mark.parametrize("carried", [False, True])
 def test_an_arc_through_a_sheet_is_no_straight_line(turn: float, carried: bool) -> None:
-    """Half way a body moves along it: only its acceleration tells that it passes twice."""
+    """At half the motion the velocity is tangential: only the acceleration shows the two passes."""
     dip = 1.0 - np.cos(turn / 2)
     sheet, y = box(5.0, 1e-3, 1.0), 1.0 - 0.01 - 0.3 * dip
     if carried:  # on an arm
@@ -150,14 +150,14 @@ def test_movers_that_cross_meet() -> None:
     assert (found.contact_by - found.free_until <= TOLERANCE / 10.0).all()
     # alone, each passes
     assert world.check_motion(a, starts[0], ends[0])
-    # one passes the crossing before the other comes
+    # one passes the crossing before the other arrives
     found = world.check_motions([a, b], [at(-1.0), at(0.0, -3.0)], [at(1.0), at(0.0, 1.0)])
     assert found
     assert found.free.tolist() == [True, True]
     assert np.isinf(found.contact_by).all()
     # side by side at the same speed, a micrometer apart
     assert world.check_motions([a, b], [HERE, at(0.100001)], [at(7.0), at(7.100001)])
-    # one that stands is met where it stands
+    # a body at rest is hit at its place
     found = world.check_motions([a, b], [at(0.0, 80.0), at(0.0)], [at(0.0, 100.0), at(1.0)])
     assert found.other.tolist() == [c, -1]
     # meeting at the start
@@ -167,7 +167,7 @@ def test_movers_that_cross_meet() -> None:
 
 @pytest.mark.parametrize("margin", [0.0, 0.01])
 def test_sides_that_lie_nearly_flush_and_turn(margin: float) -> None:
-    """What planes between bodies, standing or turning with one of them, say is never wrong."""
+    """Certificates by planes, fixed or turning with a body, are correct."""
     shape, rng = Shape(*together(box(2.0, 0.6, 0.3), box(0.3, 0.5, 0.4))), np.random.default_rng(7)
     free = 0
     for _ in range(150):
@@ -210,7 +210,7 @@ def test_a_door_is_met_in_time() -> None:
     )  # both at the crossing at 5 s
     assert brackets(found, 0.49, 10 * np.sqrt(2))
     assert found.other == door
-    assert world.check_motion(robot, *go)  # the door stands elsewhere
+    assert world.check_motion(robot, *go)  # the door is elsewhere
     assert world.check_motion(robot, *go, start_time=1.0, end_time=11.0)
     assert world.check_motion(robot, *go, start_time=-100.0, end_time=-90.0)  # at rest before
     assert world.check_motion(robot, *go, start_time=20.0, end_time=30.0)  # and after
@@ -221,7 +221,7 @@ def test_a_door_is_met_in_time() -> None:
     assert not world.check_motion(
         robot, at(0.0), at(0.0), start_time=4.95, end_time=4.95
     )  # an instant
-    # there and back between two of the robot's poses: at rest at both, met on the way
+    # there and back between two poses of the robot: at rest at both, in contact between them
     world.set_trajectory(door, [1.0, 2.0, 3.0], [at(0.0, -5.0), at(0.0, 0.0), at(0.0, -5.0)])
     found = world.check_motion(robot, at(0.0), at(0.0), start_time=0.0, end_time=4.0)
     assert brackets(found, (1.0 + 4.9 / 5.0) / 4.0, 20.0)
@@ -233,7 +233,7 @@ def test_a_door_is_met_in_time() -> None:
 
 @pytest.mark.parametrize("moment", [1e-3, 1e-9, 1e-13, 1e-16])
 def test_a_body_that_darts_by_is_met(moment: float) -> None:
-    """However short the time between two poses of a trajectory, what lies between is passed."""
+    """Contacts between two poses of a trajectory are found, however short the time between them."""
     small = Shape(*box(0.1))
     for window in ((0.0, 1.0), (-1000.0, 1000.0)):
         world = World()
@@ -243,10 +243,10 @@ def test_a_body_that_darts_by_is_met(moment: float) -> None:
         found = world.check_motion(robot, HERE, HERE, start_time=window[0], end_time=window[1])
         assert not found.free
         assert found.free_until <= (0.5 - window[0]) / (window[1] - window[0]) + moment
-        # the last thing that happens
+        # the contact is at the end
         world.set_trajectory(fly, np.subtract(times, times[1] - 1.0), [at(0.0, -5.0), at(0.0, 5.0)])
         assert not world.check_motion(robot, HERE, HERE, start_time=window[0], end_time=1.0).free
-        # a dart through a sheet, anywhere on the way
+        # a fast motion through a sheet, at any moment
         rng = np.random.default_rng(12)
         for _ in range(20):
             world = World()
@@ -279,7 +279,7 @@ def test_sliding_along_a_wall_is_free(gap: float) -> None:
                 -1,
                 -1,
             )
-            # and not free, should it sink by more than the gap
+            # not free if it sinks by more than the gap
             assert not world.check_motion(0, start, place @ at(0.1, -low - gap))
 
 
@@ -316,7 +316,7 @@ def test_a_start_in_contact_is_contact_at_once() -> None:
             both = world.check_motions([0, 1], [start] * 2, [nudged(rng, start, 0.5)] * 2)
             if world is not touching:
                 assert both.contact_by.tolist() == [0.0, 0.0]
-    # a surface holds nothing: it is met where it is
+    # a surface has no inside: contact only at the surface
     tray = scene(pebble, (opened(hall), HERE))
     ways = 20.0 * np.vstack([np.eye(3), -np.eye(3)])
     aside = at(0.01, 0.02, 0.03)
@@ -366,7 +366,7 @@ def test_tolerance_is_how_narrow_the_bracket_is(tolerance: float) -> None:
 
 
 def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
-    """Neither the far end of a bar that meets a post near its axis, nor one that is run after."""
+    """Holds also for the far end of a bar that hits a post near its axis, and for pursuit."""
     bar = box(2.0, 0.02, 0.02)
     world = scene(bar, (box(0.01, 0.01, 1.0), turned(1.0) @ at(0.1)))
     found = world.check_motion(0, HERE, turned(2.0))
@@ -378,8 +378,8 @@ def test_no_point_of_the_robot_moves_farther_than_the_tolerance() -> None:
     assert 10.0 * (found.contact_by - found.free_until) <= TOLERANCE
 
 
-def test_who_is_named_is_met() -> None:
-    """Not one that is merely within the tolerance of where another has been met."""
+def test_the_named_body_is_in_contact() -> None:
+    """`other` is in contact, not only within the tolerance of another contact."""
     rng = np.random.default_rng(4)
     named = 0
     for _ in range(300):
@@ -400,7 +400,7 @@ def test_who_is_named_is_met() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
 def test_a_corner_that_meets_a_corner_is_shown(tolerance: float) -> None:
-    """Some of the faces around them pass, others enter."""
+    """Some of the adjacent faces pass by, others penetrate."""
     world = scene(angle_iron(), (ball(0.5, 3), at(4.0)))
     for seed in range(5):
         turn = somewhere(np.random.default_rng(seed), 0.0)
@@ -409,14 +409,14 @@ def test_a_corner_that_meets_a_corner_is_shown(tolerance: float) -> None:
 
 
 def test_a_corner_that_meets_an_edge_within_a_flat_side_is_shown() -> None:
-    """As symmetric bodies do: a ball thrown at the middle of a wall of two triangles."""
+    """As for symmetric bodies: a ball that hits the middle of a wall of two triangles."""
     pebble = ball(0.1)
     world = scene(pebble, (box(1.0), at(3.0)))
     assert brackets(world.check_motion(0, HERE, at(4.0)), 2.4 / 4.0, 4.0)
 
 
 def test_a_gap_too_small_to_tell_is_unresolved_and_not_free() -> None:
-    """Closer than doubles can place both: neither proved free nor shown to touch."""
+    """A gap below the resolution of doubles: neither proved free nor in contact."""
     world = scene(box(1.0), (box(50.0, 1.0, 50.0), at(y=-1.0 - 2e-16)))
     assert not world.collides(0, HERE)
     found = world.check_motion(0, HERE, at(0.3))
@@ -447,7 +447,7 @@ def test_results_take_the_shape_of_the_poses() -> None:
     assert empty
 
 
-def test_standing_still_is_asked_as_well() -> None:
+def test_a_robot_at_rest_is_checked() -> None:
     world = scene(box(1.0), (box(1.0), at(3.0)))
     assert world.check_motion(0, HERE, HERE)
     assert not world.check_motion(0, at(2.5), at(2.5))
@@ -457,7 +457,7 @@ def test_standing_still_is_asked_as_well() -> None:
 
 
 def first_contact(world: World, start: Floats, way: Floats) -> float:
-    """Fraction of the translation at which body 0 first meets another's surface; inf if none."""
+    """Fraction of the translation at the first contact of body 0 with a surface; inf if none."""
     robot = world.record(0).shape
     first = np.inf
     a = robot.vertices @ start[:3, :3].T + start[:3, 3]
@@ -483,7 +483,7 @@ def least(t: Floats, meets: NDArray[np.bool_]) -> float:
 
 
 def corners_meet_faces(points: Floats, faces: Floats, way: Floats) -> float:
-    """The first fraction of `way` at which a point (n, 3) meets a face (m, 3, 3)."""
+    """The first fraction of `way` at which a point (n, 3) touches a face (m, 3, 3)."""
     one, two = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
     normal = np.cross(one, two)
     from_face = points[:, None] - faces[:, 0]  # (n, m, 3)
@@ -498,7 +498,7 @@ def corners_meet_faces(points: Floats, faces: Floats, way: Floats) -> float:
 
 
 def edges_meet(a: Floats, b: Floats, way: Floats) -> float:
-    """The first fraction of `way` at which an edge of a (n, 2, 3) meets one of b (m, 2, 3)."""
+    """The first fraction of `way` at which an edge of a (n, 2, 3) touches one of b (m, 2, 3)."""
     p, q = a[:, 1] - a[:, 0], b[:, 1] - b[:, 0]
     apart = b[None, :, 0] - a[:, None, 0]  # apart = t way + s p - r q
     cross = np.cross(p[:, None], q)
@@ -524,9 +524,9 @@ BODIES: dict[str, tuple[Solid, Solid]] = {
 def translations(
     a: Shape, b: Shape, seed: int, count: int, size: float, far: float = 0.0, askew: float = 0.0
 ) -> float:
-    """Random translations of a past b against the formula; the share that meets.
+    """Check random translations of a past b against the formula; return the share with contact.
 
-    `far`: meters from the origin; `askew`: rotations are off by so much.
+    `far`: meters from the origin; `askew`: deviation of the rotations from orthonormal.
     """
 
     def off(pose: Floats) -> Floats:
@@ -560,7 +560,7 @@ def translations(
             assert not found.free
             assert found.free_until <= exact + rounding
             met += 1
-            if found.unresolved:  # in the right place, at least, and seldom
+            if found.unresolved:  # rare, and at the right place
                 unresolved += 1
                 continue
             assert exact - rounding <= found.contact_by
@@ -576,7 +576,7 @@ def test_first_contacts_of_translations(name: str) -> None:
 
 
 def test_poses_in_single_precision() -> None:
-    """Or off by what the boundary lets through: bodies are then askew, and met as they are."""
+    """Deviations up to the accepted bound: bodies are skewed, and checked as given."""
     a, b = (Shape(*solid) for solid in BODIES["irons"])
     for askew in (1e-7, 1.5e-6):
         assert translations(a, b, seed=6, count=80, size=1.0, askew=askew) > 0.15
@@ -592,7 +592,7 @@ def test_first_contacts_of_real_meshes(pair: Any) -> None:
 
 @pytest.mark.parametrize("size", [1e-4, 1e-2, 1e3, 1e6])
 def test_bodies_of_every_size(size: float) -> None:
-    """A bracket narrower than what doubles tell of a huge body can't be asked for."""
+    """The bracket cannot be narrower than the resolution of doubles for a huge body."""
     a, b = (Shape(*scaled(solid, size)) for solid in BODIES["irons"])
     if size <= 1e3:
         assert translations(a, b, seed=3, count=40, size=size) > 0.15
@@ -660,7 +660,7 @@ def points_of(model: Model, robot: int) -> Floats:
 
 
 def travel(points: Floats, start: Floats, end: Floats) -> float:
-    """How far the farthest of points goes from pose start to end, meters."""
+    """Largest displacement of the points from pose start to end, meters."""
     ends = [points @ T[:3, :3].T + T[:3, 3] for T in (start, end)]
     return float(np.linalg.norm(ends[1] - ends[0], axis=1).max())
 
@@ -723,7 +723,7 @@ def test_random_motions_agree_with_dense_samples(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_any_contact_will_do(seed: int) -> None:
-    """With first_contact=False what is shown is a contact, and nothing before `free_until` is."""
+    """With first_contact=False, `contact_by` is in contact, and nothing before `free_until` is."""
     world, model = crowd(seed)
     rng = np.random.default_rng(550 + seed)
     starts = wander(rng, 30, 1.5)
@@ -777,7 +777,7 @@ def test_bodies_on_trajectories_agree_with_dense_samples(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_movers_at_once_agree_with_dense_samples(seed: int) -> None:
-    """Each against those that stand, those on trajectories, and the others on their way."""
+    """Each robot against bodies at rest, on trajectories, and the other moving robots."""
     rng = np.random.default_rng(700 + seed)
     free = 0
     for _ in range(4):
@@ -826,7 +826,7 @@ def test_touching_verdicts_are_those_of_collides() -> None:
     going = world.check_motion(0, poses, poses[::-1])
     assert (going.contact_by[hit] == 0.0).all()
     assert (going.contact_by[~hit] > 0.0).all()
-    assert (~going.free[hit[::-1]]).all()  # what collides at the end is not free
+    assert (~going.free[hit[::-1]]).all()  # a collision at the end is not free
     assert 20 < hit.sum() < 180
     assert (hit == model.collides(0, poses)).all()
 
@@ -835,7 +835,7 @@ def test_touching_verdicts_are_those_of_collides() -> None:
 
 
 def test_mover_and_obstacle_change_places() -> None:
-    """A translation against the opposite one; a turn against a turn of all the rest."""
+    """A translation against its opposite; a rotation against a rotation of everything else."""
     rng = np.random.default_rng(9)
     pool = shapes()
     met = 0
@@ -852,7 +852,7 @@ def test_mover_and_obstacle_change_places() -> None:
         met += same(
             world.check_motion(0, pose_a, there), world.check_motion(1, pose_b, back), pose_a, there
         )
-        # a turns about its origin; or b is turned the other way about that origin
+        # a turns about its origin, or b turns the other way about that origin
         spin = turned(rng.uniform(0.3, 3.0), tuple(rng.normal(size=3)))
         world = World()
         world.add(a)
@@ -875,7 +875,7 @@ def same(one: MotionResult, other: MotionResult, start: Floats, end: Floats) -> 
     return not one.free
 
 
-def test_two_that_move_are_one_that_moves_for_both() -> None:
+def test_two_motions_equal_one_relative_motion() -> None:
     rng = np.random.default_rng(10)
     pool = shapes()
     met = 0
@@ -898,7 +898,7 @@ def test_two_that_move_are_one_that_moves_for_both() -> None:
     assert 20 < met < 110
 
 
-# Looked at in steps
+# Tested in steps
 
 
 def test_discrete_is_a_plain_loop() -> None:
@@ -935,7 +935,7 @@ def test_discrete_can_tunnel_and_continuous_can_not() -> None:
 
 
 def test_no_point_moves_farther_than_the_resolution_in_a_step() -> None:
-    """Also where a part begins at rest, as its carrier moves and turns against each other."""
+    """Also for a part at rest at the start, by opposed translation and rotation of its carrier."""
     for offset in (at(1.0), at(-1.0), at(0.0, 1.0)):
         world, model = World(), Model()
         small = Shape(*box(0.1))
@@ -954,8 +954,8 @@ def test_no_point_moves_farther_than_the_resolution_in_a_step() -> None:
 
 @pytest.mark.unsanitized
 @pytest.mark.parametrize("resolution", [1e-300, 1e-12])
-def test_more_steps_than_anyone_can_look_at_are_refused(resolution: float) -> None:
-    """Or looked at; never fewer than asked for."""
+def test_too_many_steps_raise(resolution: float) -> None:
+    """Or tested; never fewer than requested."""
     code = f"""
 import resource, sys
 resource.setrlimit(resource.RLIMIT_CPU, (20, 20))  # seconds of this process
@@ -1029,7 +1029,9 @@ def test_motions_are_equal_bit_for_bit_on_every_machine() -> None:
     usual = digest(FGENV_THREADS="1")
     baseline = digest(FGENV_ISA="baseline", FGENV_THREADS="3")
     assert baseline == ("baseline", usual[1])
-    if usual[0] != "baseline":  # what this machine can do best; else there is only one
+    if (
+        usual[0] != "baseline"
+    ):  # the best instruction set of this machine; skipped if there is only one
         assert digest(FGENV_ISA=usual[0], FGENV_THREADS="2") == usual
 
 
@@ -1045,8 +1047,8 @@ def test_threads_change_nothing() -> None:
             assert many.tobytes() == single.tobytes()
 
 
-def test_collide_knows_nothing_of_worlds() -> None:
-    """A hit that a motion shows is one for the pair alone."""
+def test_collide_is_independent_of_worlds() -> None:
+    """A contact of a motion is a collision of the pair alone."""
     world, model = crowd(14)
     rng = np.random.default_rng(15)
     starts, ends = wander(rng, 40, 1.5), wander(rng, 40, 1.5)

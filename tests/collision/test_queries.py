@@ -1,4 +1,4 @@
-"""Laws of the queries, and independent answers to each."""
+"""Laws of the queries, and comparisons with independent results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ pytestmark = [
 
 
 class Scene:
-    """A pair of real meshes in a random place, with poses of b around contact."""
+    """A pair of real meshes at a random place, with poses of b around contact."""
 
     def __init__(self, pair: MeshPair, count: int, seed: int = 0) -> None:
         rng = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 # Distance
 
 
-def test_distance_is_that_of_fcl_and_coal(scene: Scene) -> None:
+def test_distance_agrees_with_fcl_and_coal(scene: Scene) -> None:
     found = distance(scene.a, scene.pose_a, scene.b, scene.poses)
     free = found > 0
     assert free.mean() > 0.3
@@ -169,7 +169,7 @@ def test_margin_is_a_bound_on_the_distance(scene: Scene) -> None:
             )
 
 
-# Broadcasting, forms of a call
+# Broadcasting, forms of arguments
 
 
 def test_poses_broadcast() -> None:
@@ -224,7 +224,7 @@ def test_arguments_are_left_alone() -> None:
 # Points inside
 
 
-def test_contains_is_the_solid_angle(scene: Scene) -> None:
+def test_contains_agrees_with_the_solid_angle(scene: Scene) -> None:
     for shape, mesh in ((scene.a, scene.mesh_a), (scene.b, scene.mesh_b)):
         if not shape.watertight:
             continue
@@ -262,7 +262,7 @@ def test_contains_on_the_surface() -> None:
     assert cube.contains([0.0, 0.0, 0.0]).shape == ()
 
 
-def test_contains_wants_a_solid() -> None:
+def test_contains_requires_a_solid() -> None:
     with pytest.raises(ValueError, match="watertight"):
         Shape(*opened(box(1.0))).contains([[0, 0, 0]])
 
@@ -270,7 +270,7 @@ def test_contains_wants_a_solid() -> None:
 # Rays
 
 
-def test_rays_hit_where_a_plain_formula_says(scene: Scene) -> None:
+def test_rays_agree_with_a_formula(scene: Scene) -> None:
     rng = np.random.default_rng(7)
     for shape, mesh in ((scene.a, scene.mesh_a), (scene.b, scene.mesh_b)):
         target = shape.vertices[shape.faces].mean(axis=1)[rng.integers(len(shape.faces), size=300)]
@@ -336,7 +336,7 @@ def test_rays_known_on_paper() -> None:
 
 
 def test_no_ray_slips_through_a_closed_surface() -> None:
-    """Rays from inside at vertices, edges and faces, all of which must hit."""
+    """All rays from inside at vertices, edges and faces must hit."""
     round_ = Shape(*ball(1.0, 3))
     corners = round_.vertices[round_.faces]
     aims = np.concatenate([round_.vertices, corners.mean(axis=1), corners[:, :2].mean(axis=1)])
@@ -454,7 +454,9 @@ def test_results_are_equal_bit_for_bit_on_every_machine() -> None:
     assert digest(FGENV_THREADS="2")[1] == usual[1]
     baseline = digest(FGENV_ISA="baseline", FGENV_THREADS="1")
     assert baseline == ("baseline", usual[1])
-    if usual[0] != "baseline":  # what this machine can do best; else there is only one
+    if (
+        usual[0] != "baseline"
+    ):  # the best instruction set of this machine; skipped if there is only one
         assert digest(FGENV_ISA=usual[0], FGENV_THREADS="2") == usual
 
 

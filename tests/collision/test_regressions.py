@@ -1,4 +1,4 @@
-"""Bugs that were found by reading and searching, each with its story."""
+"""Regression tests of fixed bugs, each with its cause."""
 
 from __future__ import annotations
 
@@ -99,14 +99,14 @@ def test_no_hit_beside_a_face_seen_edge_on() -> None:
 
 @pytest.mark.parametrize("length", [1e-300, 1e-170, 1e-160, 1.0, 1e155, 1e300])
 def test_the_length_of_a_ray_s_direction_does_not_matter(length: float) -> None:
-    """Its square vanished or overflowed."""
+    """The square of its length underflowed or overflowed."""
     found, face = quiet(*box(1.0)).raycast([-2.0, 0.1, 0.2], [length, 0.0, 0.0])
     assert found == pytest.approx(1.5, rel=1e-14)
     assert face >= 0
 
 
 def test_distances_of_the_smallest_bodies() -> None:
-    """Squared normals of faces of 1e-12 m vanished in floats, and all was culled."""
+    """Squared normals of faces of 1e-12 m underflowed in floats, and everything was culled."""
     for scale in (1e-10, 1e-12, 1e-13):
         cube = quiet(*box(scale))
         for gap in (0.25, 1.0):
@@ -114,8 +114,8 @@ def test_distances_of_the_smallest_bodies() -> None:
             assert found == pytest.approx(gap * scale, rel=1e-6)
 
 
-def test_what_floats_cannot_hold_is_refused() -> None:
-    """Volumes of bodies 1e14 m across overflowed in the culls, which then saw nothing."""
+def test_sizes_beyond_floats_raise() -> None:
+    """Volumes of bodies 1e14 m across overflowed in the culls, which then found nothing."""
     with pytest.raises(ValueError, match="1e9 m"):
         quiet(*box(1e14))
     far = at(1e16, 0.0, 0.0)
@@ -128,7 +128,7 @@ def test_what_floats_cannot_hold_is_refused() -> None:
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads /proc")
 def test_too_few_threads_are_enough() -> None:
-    """A thread that the system refused ended the process."""
+    """A failed start of a thread ended the process."""
     script = """
 import resource
 import numpy as np
@@ -151,12 +151,12 @@ print(collide(cube, np.eye(4), cube, poses, threads=4096).all())
 
 
 def symmetric_contacts() -> list[object]:
-    """Contacts and nearest points of poses that leave much to choose from."""
+    """Contacts and nearest points of poses with many equivalent candidates."""
     rng = np.random.default_rng(5)
     corner = np.array([0.9, 0.6, 0.3])
     fine = trimesh.creation.box((1.0, 1.0, 1.0)).subdivide().subdivide()
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.6)
-    told: list[object] = []
+    results: list[object] = []
     for mesh in (fine, ball):
         shape = quiet(mesh.vertices + corner, mesh.faces)
         for _ in range(150):
@@ -166,15 +166,15 @@ def symmetric_contacts() -> list[object]:
             step[0, 3] = rng.choice([0.5, 0.9, 1.0, 1.25, 1.5, 2.0])
             b = a @ at(*corner) @ step @ at(*-corner)
             touch = contact_point(shape, a, shape, b)
-            told.append(None if touch is None else (touch.point.tobytes(), touch.face))
-            told.append([part.tobytes() for part in nearest_points(shape, a, shape, b)])
-    return told
+            results.append(None if touch is None else (touch.point.tobytes(), touch.face))
+            results.append([part.tobytes() for part in nearest_points(shape, a, shape, b)])
+    return results
 
 
 @pytest.mark.unsanitized
 def test_contacts_do_not_depend_on_the_instruction_set() -> None:
     """Fused products in the culls changed which of equal contacts was found first."""
-    told = []
+    results = []
     for isa in ("baseline", "v3"):
         found = subprocess.run(
             [
@@ -189,5 +189,5 @@ def test_contacts_do_not_depend_on_the_instruction_set() -> None:
         if b"no AVX2" in found.stderr:
             pytest.skip("this processor has one instruction set only")
         assert found.returncode == 0, found.stderr.decode()
-        told.append(pickle.loads(found.stdout))
-    assert told[0] == told[1]
+        results.append(pickle.loads(found.stdout))
+    assert results[0] == results[1]

@@ -1,4 +1,4 @@
-"""Movers that stop where they first meet something: in the order of time, and nobody overlaps."""
+"""Movers that stop at their first contact, in chronological order and without overlaps."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def line(*places: float) -> tuple[World, list[int]]:
 
 
 def move(world: World, ids: list[int], ends: list[Floats]) -> MotionResult:
-    """Move everyone to where it stops."""
+    """Move all bodies up to their first contacts."""
     starts = world.poses(ids)
     found = world.advance(ids, ends)
     assert (found.free_until >= 0).all()
@@ -44,7 +44,7 @@ def move(world: World, ids: list[int], ends: list[Floats]) -> MotionResult:
 
 
 def test_a_queue_stops_one_after_the_other() -> None:
-    """The first of them meets a wall, the second the first, the third the second."""
+    """The first body hits a wall, the second hits the first, the third the second."""
     world, ids = line(0.0, 2.0, 4.0)
     wall = world.add(Shape(*box(1.0)), at(6.5))
     found = move(world, ids, [at(6.0), at(8.0), at(10.0)])
@@ -53,8 +53,8 @@ def test_a_queue_stops_one_after_the_other() -> None:
     assert world.contact_pairs().tolist() == []
 
 
-def test_who_stops_is_no_longer_met_where_it_would_have_gone() -> None:
-    """Held up by a wall, the second never comes to where it would have met the third."""
+def test_a_stopped_body_has_no_contact_beyond_its_stop() -> None:
+    """Stopped by a wall, the second does not reach the place of its contact with the third."""
     world, ids = line(0.0, 6.0)
     world.add(Shape(*box(1.0)), at(2.0))
     both = world.check_motions(ids, world.poses(ids), [at(5.0), at(4.0)])
@@ -64,8 +64,8 @@ def test_who_stops_is_no_longer_met_where_it_would_have_gone() -> None:
     assert stopped.free_until[1] == 1.0
 
 
-def test_who_stops_is_met_where_it_stands() -> None:
-    """A follower that would have kept its distance runs into one that a wall stopped."""
+def test_a_stopped_body_is_hit_at_its_place() -> None:
+    """A follower at constant distance hits a body that a wall has stopped."""
     world, ids = line(0.0, 2.0)
     world.add(Shape(*box(1.0)), at(3.5))
     assert world.check_motions(ids, world.poses(ids), [at(8.0), at(10.0)]).free.tolist() == [
@@ -77,7 +77,7 @@ def test_who_stops_is_met_where_it_stands() -> None:
     assert found.other.tolist()[0] == ids[1]
 
 
-def test_one_that_leaves_in_time_is_not_met() -> None:
+def test_a_body_that_leaves_in_time_is_not_hit() -> None:
     world, ids = line(0.0, 2.0)
     found = move(world, ids, [at(3.0), at(5.0)])
     assert found.free.all()
@@ -85,8 +85,8 @@ def test_one_that_leaves_in_time_is_not_met() -> None:
 
 @given(SEEDS)
 @settings(max_examples=30)
-def test_nobody_overlaps_after_any_step(seed: int) -> None:
-    """Dense, 64 bodies of all forms, step after step; whoever has stopped may go on or stay."""
+def test_no_bodies_overlap_after_any_step(seed: int) -> None:
+    """64 bodies of all forms in a dense scene; stopped bodies may move on or stay."""
     rng = np.random.default_rng(seed)
     world, ids = World(), []
     grid = [(x, y, z) for x in range(4) for y in range(4) for z in range(4)]
@@ -110,7 +110,7 @@ def test_nobody_overlaps_after_any_step(seed: int) -> None:
 def justified(
     world: World, ids: list[int], starts: Floats, ends: Floats, found: MotionResult
 ) -> None:
-    """Whoever stopped meets the other a micrometer on, wherever that has come to by then."""
+    """A stopped body would hit the other one within a micrometer, where that is at the time."""
     for i in np.flatnonzero(np.isfinite(found.contact_by))[::3]:
         shown = found.contact_by[i]
         j = ids.index(found.other[i])
@@ -179,14 +179,14 @@ def test_turning_on_the_spot_in_a_crowd() -> None:
     assert world.contact_pairs().tolist() == []
 
 
-def test_what_is_wrong_is_told() -> None:
+def test_invalid_arguments_raise() -> None:
     world, ids = line(0.0, 2.0)
     one: Any = 0
     cases: list[tuple[Callable[[], object], str]] = [
-        (lambda: world.advance([0, 0], [HERE, HERE]), "robots: body 0 is named twice"),
-        (lambda: world.advance(one, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
-        (lambda: world.advance(ids, HERE), r"robots, end: expected \(n,\) and \(n, 4, 4\)"),
-        (lambda: world.advance([0, 7], [HERE, HERE]), "robots: no body 7"),
+        (lambda: world.advance([0, 0], [HERE, HERE]), "robots: got body 0 twice"),
+        (lambda: world.advance(one, HERE), r"robots, end: .*expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance(ids, HERE), r"robots, end: .*expected \(n,\) and \(n, 4, 4\)"),
+        (lambda: world.advance([0, 7], [HERE, HERE]), "robots: got 7, expected the id of a body"),
         (lambda: world.advance(ids, [HERE, 2 * HERE]), r"end\[1\]"),
         (lambda: world.advance(ids, [HERE, HERE], tolerance=0.0), "tolerance"),
     ]

@@ -1,4 +1,4 @@
-"""Laws of the World at one instant: every answer against a model that asks every pair."""
+"""Laws of the World at one instant: results against a model that tests every pair."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ pytestmark = [
 
 
 def mixed(seed: int, count: int = 24, reach: float = 0.8) -> tuple[World, Model]:
-    """Bodies at random; some carried, some allowed, some in groups."""
+    """Random bodies: some carried, some allowed, some in groups."""
     rng = np.random.default_rng(seed)
     world, model = scatter(rng, count, reach)
     carry(world, model, 1, 0)
@@ -56,7 +56,7 @@ def mixed(seed: int, count: int = 24, reach: float = 0.8) -> tuple[World, Model]
 # Bodies
 
 
-def test_bodies_come_and_go() -> None:
+def test_bodies_are_added_and_removed() -> None:
     world = World()
     assert len(world) == 0
     assert world.ids.tolist() == []
@@ -78,7 +78,7 @@ def test_bodies_come_and_go() -> None:
     assert world.record(again).groups == ()
 
 
-def test_a_name_that_was_not_given_is_never_in_the_way() -> None:
+def test_default_names_never_conflict() -> None:
     world = World()
     world.add(CUBE, name="body 1")
     assert world.add(CUBE) == 1
@@ -100,7 +100,7 @@ def test_ids_in_every_form_mean_the_same() -> None:
     assert (world.poses([3, "cube 1", 3]) == rows[[3, 1, 3]]).all()
 
 
-def test_bodies_are_put_one_by_one_or_together() -> None:
+def test_bodies_are_placed_one_by_one_or_together() -> None:
     rng = np.random.default_rng(0)
     world = World()
     ids = [world.add(CUBE) for _ in range(5)]
@@ -115,11 +115,11 @@ def test_bodies_are_put_one_by_one_or_together() -> None:
     assert (world.poses(ids[2:4]) == poses[0]).all()
     world.set_pose([], poses[0])
     assert (world.poses(ids[4]) == poses[4]).all()
-    poses[:] = np.nan  # what was given is not kept hold of
+    poses[:] = np.nan  # arguments are copied
     assert np.isfinite(world.poses(ids)).all()
 
 
-def test_any_iterable_of_bodies_may_ask_the_world_itself() -> None:
+def test_an_iterable_of_bodies_may_query_the_world() -> None:
     """Python code that runs while a call reads its arguments must not meet the call's lock."""
     world = World()
     ids = [world.add(CUBE) for _ in range(3)]
@@ -128,7 +128,7 @@ def test_any_iterable_of_bodies_may_ask_the_world_itself() -> None:
     assert (world.poses(ids)[:, 0, 3] == 1.0).all()
 
 
-def test_a_record_tells_all_that_is_published() -> None:
+def test_a_record_has_the_published_fields() -> None:
     iron = Shape(*angle_iron(), method="crease", angle=0.3, name="iron")
     world = World()
     hand = world.add(CUBE, at(5.0), name="hand")
@@ -148,7 +148,7 @@ def test_a_record_tells_all_that_is_published() -> None:
     assert world.record(hand).carrier is None
 
 
-def test_a_world_tells_its_size() -> None:
+def test_size_of_a_world() -> None:
     world = World()
     empty = world.nbytes
     for x in range(100):
@@ -161,7 +161,7 @@ def test_a_world_tells_its_size() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_contacts_are_those_of_every_pair(seed: int) -> None:
+def test_contacts_agree_with_a_test_of_every_pair(seed: int) -> None:
     world, model = mixed(seed)
     for margin in (0.0, 0.03, 0.3):
         expected = model.contacts(margin)
@@ -207,11 +207,11 @@ def test_clearance_is_the_least_distance(seed: int) -> None:
     poses = wander(rng, 40, 2.5)
     for robot in model.roots:
         apart = model.distances(robot, poses)
-        who, table = np.array(list(apart)), np.array(list(apart.values()))
+        ids, table = np.array(list(apart)), np.array(list(apart.values()))
         found = world.clearance(robot, poses)
         np.testing.assert_allclose(found.distance, table.min(axis=0), rtol=1e-9, atol=1e-12)
         assert ((found.distance == 0) == world.collides(robot, poses)).all()
-        row = {int(body): i for i, body in enumerate(who)}
+        row = {int(body): i for i, body in enumerate(ids)}
         own = table[[row[body] for body in found.body.tolist()], np.arange(len(poses))]
         np.testing.assert_allclose(own, found.distance, rtol=1e-9, atol=1e-12)
         one = world.clearance(robot, poses[0])
@@ -219,7 +219,7 @@ def test_clearance_is_the_least_distance(seed: int) -> None:
         assert one.body == found.body[0]
 
 
-def test_clearance_with_nobody_to_meet() -> None:
+def test_clearance_without_other_bodies() -> None:
     world = World()
     robot = world.add(CUBE)
     poses = np.tile(HERE, (300, 1, 1))
@@ -227,18 +227,18 @@ def test_clearance_with_nobody_to_meet() -> None:
         found = world.clearance(robot, poses, threads=2)
         assert np.isinf(found.distance).all()
         assert (found.body == -1).all()
-        world.allow(robot, world.add(CUBE))  # then somebody whom it may touch
+        world.allow(robot, world.add(CUBE))  # then a body that it may touch
     assert not world.collides(robot, HERE)
     assert world.check_motion(robot, HERE, at(1.0))
 
 
-def test_equally_near_bodies_are_told_apart_by_id() -> None:
-    """Whatever the order in which they came, moved and went."""
+def test_ties_are_broken_by_id() -> None:
+    """Independent of the order of additions, moves and removals."""
     for order in itertools.permutations(range(3)):
         world = World()
         robot = world.add(CUBE)
         gone = [world.add(CUBE, at(50.0 + i)) for i in range(3)]
-        for i in order:  # their places in the index are taken again in another order
+        for i in order:  # reuses their places in the index in another order
             world.remove(gone[i])
         others = [world.add(CUBE, at(50.0 + i)) for i in range(3)]
         for i in order:
@@ -269,7 +269,7 @@ def test_poses_and_times_broadcast() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_bodies_are_met_where_their_trajectories_put_them(seed: int) -> None:
+def test_bodies_collide_at_their_places_on_trajectories(seed: int) -> None:
     world, model = mixed(seed, count=12)
     rng = np.random.default_rng(300 + seed)
     for body in (0, 4, 6, 10):
@@ -391,7 +391,7 @@ def test_a_carrier_moves_what_it_carries() -> None:
     carry(world, model, 1, 0)
     carry(world, model, 2, 1)
     carry(world, model, 4, 3)
-    carry(world, model, 3, 2)  # with what it carries
+    carry(world, model, 3, 2)  # includes carried bodies
     for _ in range(5):
         apart = {i: np.linalg.inv(world.poses(0)) @ world.poses(i) for i in (1, 2, 3, 4)}
         pose = somewhere(rng, 2.0)
@@ -422,12 +422,12 @@ def test_parts_of_a_robot_never_meet_each_other() -> None:
     assert not world.collides(a, at(7.0))
     assert world.clearance(a, HERE).body == -1
     assert world.check_motion(a, HERE, turned(3.0))
-    world.detach(b)  # c goes with it
+    world.detach(b)  # c moves along
     assert world.contact_pairs().tolist() == [[a, b], [a, c]]
 
 
-def test_what_a_removed_body_carried_stays() -> None:
-    """At the end of a chain, in the middle and at its root."""
+def test_bodies_of_a_removed_carrier_stay() -> None:
+    """Removal at the end of a chain, in the middle and at its root."""
     for gone in range(3):
         world = World()
         chain = [world.add(CUBE, at(3.0 * i)) for i in range(3)]
@@ -448,7 +448,7 @@ def test_what_a_removed_body_carried_stays() -> None:
             assert world.collides(i, at(0.0, 10.0 * free[0])) == (i != free[0])
 
 
-def test_a_carried_body_forgets_its_own_path_and_trajectory() -> None:
+def test_attaching_deletes_path_and_trajectory() -> None:
     world = World()
     hand, cup = world.add(CUBE), world.add(CUBE, at(3.0))
     other = world.add(CUBE, at(9.0))
@@ -458,7 +458,7 @@ def test_a_carried_body_forgets_its_own_path_and_trajectory() -> None:
     world.attach(cup, hand)
     assert world.mask(other) == world.mask(cup) == 0
     assert not world.collides(other, at(9.0), times=1.0)
-    world.set_trajectory(hand, [0.0, 1.0], [HERE, at(6.0)])  # the cup comes along
+    world.set_trajectory(hand, [0.0, 1.0], [HERE, at(6.0)])  # the cup moves along
     assert world.collides(other, at(9.0), times=1.0)
     assert not world.collides(other, at(9.0), times=0.5)
 
@@ -467,7 +467,7 @@ def test_a_carried_body_forgets_its_own_path_and_trajectory() -> None:
 
 
 def test_every_mover_has_a_bit_of_its_own() -> None:
-    """Any number of movers: masks are whole numbers without a limit."""
+    """Any number of movers: masks are Python integers without a limit."""
     world = World()
     movers = [world.add(CUBE, at(3.0 * i)) for i in range(150)]
     wall = world.add(Shape(*box(1000.0, 0.1, 1.0)), at(0.0, 5.0))
@@ -482,7 +482,7 @@ def test_every_mover_has_a_bit_of_its_own() -> None:
         assert world.candidates(mover).tolist() == [wall]
     world.clear_path(movers[70])
     assert world.mask(wall) == sum(bits) - bits[70]
-    world.set_path(movers[3], [at(0.0, 50.0)])  # another's bit does not change
+    world.set_path(movers[3], [at(0.0, 50.0)])  # the bits of other movers do not change
     assert [world.own_bit(mover) for mover in movers[71:]] == bits[71:]
     world.set_path(movers[70], [at(210.0), at(210.0, 10.0)])
     assert len({world.own_bit(mover) for mover in movers}) == 150
@@ -495,7 +495,7 @@ def test_every_mover_has_a_bit_of_its_own() -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_published_masks_are_those_of_the_reference(seed: int) -> None:
-    """The paper's: a body's position in the box of the way points, one bit for all."""
+    """The paper's masks: positions of bodies in the box of the way points, one bit for all."""
     rng = np.random.default_rng(seed)
     world, model = scatter(rng, 30, 1.0, masks="published")
     nodes = [
@@ -514,8 +514,8 @@ def test_published_masks_are_those_of_the_reference(seed: int) -> None:
     assert {world.mask(node.id) for node in nodes} == {0}
 
 
-def test_published_masks_miss_what_reaches_in() -> None:
-    """Why they are for comparison alone."""
+def test_published_masks_miss_bodies_that_reach_in() -> None:
+    """Shows that they are unsound: for comparison only."""
     worlds = [World(masks=m) for m in ("published", "path", "off")]
     for world in worlds:
         world.add(CUBE, name="robot")
@@ -547,7 +547,7 @@ def test_masks_save_tests() -> None:
 
 
 def furnished(seed: int) -> tuple[World, Model, np.random.Generator]:
-    """A world with a bit of everything, where ids, names and bits are out of order."""
+    """A world with all features, and with ids, names and bits out of order."""
     rng = np.random.default_rng(seed)
     world, model = mixed(seed, count=14)
     world.add(CUBE, name="gone")
@@ -604,7 +604,7 @@ def test_a_copy_has_the_same_paths_and_masks(how: str) -> None:
 
 @pytest.mark.parametrize("how", TWINS)
 def test_a_copy_goes_on_as_the_original(how: str) -> None:
-    """Bit for bit, and neither feels what happens to the other."""
+    """Results are equal bit for bit, and copies are independent."""
     world, _, rng = furnished(3)
     twin = TWINS[how](world)
     poses, times = wander(rng, 30, 1.0), rng.uniform(0.0, 4.0, size=30)
@@ -661,8 +661,8 @@ def test_a_copy_outlives_the_original() -> None:
 # Many bodies
 
 
-def test_thousands_of_bodies_that_come_move_and_go() -> None:
-    """The index is built, refitted and built anew; contacts stay those of all near pairs."""
+def test_thousands_of_bodies_are_added_moved_and_removed() -> None:
+    """The index is built, refitted and rebuilt; contacts agree with those of all near pairs."""
     rng = np.random.default_rng(8)
     small = Shape(*box(0.2))
     world = World()
@@ -694,7 +694,7 @@ def test_thousands_of_bodies_that_come_move_and_go() -> None:
             assert agrees() > 5
 
 
-def test_open_shapes_hold_nothing() -> None:
+def test_open_shapes_have_no_inside() -> None:
     world = World()
     tray = world.add(Shape(*opened(box(1.0))))
     pebble = world.add(Shape(*ball(0.1)))

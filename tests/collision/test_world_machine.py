@@ -1,4 +1,4 @@
-"""Any order of changes: the World stays what a model that asks every pair says it is."""
+"""Any order of changes: the World agrees with a model that tests every pair."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ class WorldMachine(RuleBasedStateMachine):
 
     @rule(which=picks, seed=seeds, margin=st.sampled_from([0.0, 0.05]), timed=st.booleans())
     def motions_are_true(self, which: int, seed: int, margin: float, timed: bool) -> None:
-        """Along the path and elsewhere: free where no sample collides, candidates hold all hits."""
+        """On the path and elsewhere: free without colliding samples; all hits are candidates."""
         rng = np.random.default_rng(seed)
         robot = self.pick(self.model.roots, which)
         legs = self.legs(robot, rng)

@@ -1,4 +1,4 @@
-"""Several threads on one world and on several: right answers, nobody waits for ever."""
+"""Several threads on one world and on several: correct results and no deadlocks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ pytestmark = [
 
 @pytest.fixture(autouse=True)
 def switch_often() -> Iterator[None]:
-    """Python changes threads wherever it may."""
+    """Let Python switch threads as often as possible."""
     usual = sys.getswitchinterval()
     sys.setswitchinterval(1e-5)
     yield
@@ -41,7 +41,7 @@ def switch_often() -> Iterator[None]:
 def together(
     *work: Callable[[], Any], limit: float = 60.0, stop: threading.Event | None = None
 ) -> None:
-    """Run all at once; what one raises is raised here, and who does not end is told."""
+    """Run all calls concurrently; raise their exceptions, and fail if a thread does not end."""
     raised: list[BaseException] = []
 
     def guarded(job: Callable[[], Any]) -> None:
@@ -63,7 +63,7 @@ def together(
         stop.set()
         for member in team:
             member.join(limit)
-    assert not waits, "a thread waits for ever"
+    assert not waits, "a thread is blocked"
     if raised:
         raise raised[0]
 
@@ -77,7 +77,7 @@ def times(count: int, job: Callable[[], Any]) -> Callable[[], None]:
 
 
 def answers(world: World, seed: int, threads: int | None = 1) -> list[bytes]:
-    """Of every query."""
+    """Results of every query."""
     rng = np.random.default_rng(seed)
     poses = wander(rng, 40, 1.0)
     some: list[Any] = [world.contact_pairs(threads=threads), world.poses(world.ids)]
@@ -108,9 +108,9 @@ def test_queries_run_side_by_side_on_one_world() -> None:
 
 
 def test_threads_on_worlds_of_their_own() -> None:
-    """They share shapes; each changes its own."""
+    """The worlds share shapes; each thread changes its own world."""
 
-    def life(seed: int, told: dict[int, list[bytes]]) -> None:
+    def life(seed: int, results: dict[int, list[bytes]]) -> None:
         rng = np.random.default_rng(seed)
         world = furnished(seed)
         for _ in range(10):
@@ -121,7 +121,7 @@ def test_threads_on_worlds_of_their_own() -> None:
             twin.remove(body)
             if rng.random() < 0.5:
                 world = twin
-        told[seed] = answers(world, seed)
+        results[seed] = answers(world, seed)
 
     alone: dict[int, list[bytes]] = {}
     for seed in range(4):
@@ -132,7 +132,7 @@ def test_threads_on_worlds_of_their_own() -> None:
 
 
 def test_a_change_is_seen_whole_or_not_at_all() -> None:
-    """Two bodies change places again and again: who looks never finds both in one."""
+    """Two bodies swap places repeatedly: no query finds both at one place."""
     world = World()
     pair = [world.add(CUBE), world.add(CUBE, at(5.0))]
     feeler = world.add(Shape(*ball(0.1)), at(0.0, 50.0))
@@ -205,8 +205,8 @@ def test_queries_and_changes_of_every_kind_on_one_world() -> None:
 
 
 @pytest.mark.unsanitized
-def test_changes_are_not_kept_waiting_by_queries() -> None:
-    """Readers that never pause, a writer that must get in."""
+def test_queries_do_not_starve_changes() -> None:
+    """Readers without a pause, and a writer that must not starve."""
     world = furnished(2)
     stop = threading.Event()
     poses = wander(np.random.default_rng(0), 400, 1.0)
@@ -224,7 +224,7 @@ def test_changes_are_not_kept_waiting_by_queries() -> None:
 
 
 class Removing:
-    """A core from which another thread removes a body, at the worst time."""
+    """A core in which another thread removes a body at the worst time."""
 
     def __init__(self, core: Any, after: str, body: int) -> None:
         self.core, self.after, self.body = core, after, body
@@ -252,9 +252,7 @@ class Removing:
         ("pickle", "ids", lambda world: len(pickle.loads(pickle.dumps(world)))),
     ],
 )
-def test_what_a_world_tells_is_of_one_moment(
-    what: str, after: str, tell: Callable[[World], int]
-) -> None:
+def test_results_are_of_one_moment(what: str, after: str, tell: Callable[[World], int]) -> None:
     """Names, records and pickles while another thread removes bodies."""
     world = World()
     for i in range(3):
@@ -295,7 +293,7 @@ def test_a_long_batch_can_be_interrupted(threads: int) -> None:
 
 
 @pytest.mark.unsanitized
-def test_python_goes_on_while_a_batch_runs() -> None:
+def test_python_runs_during_a_batch() -> None:
     world = furnished(3)
     poses = wander(np.random.default_rng(1), 1000, 1.0)
     ticks = []

@@ -125,7 +125,7 @@ def test_invalid_arguments_raise() -> None:
     before = envs.simulator.state()
     with pytest.raises(ValueError, match=r"actions: got shape \(2, 3, 2\), expected \(6, 2\)"):
         envs.step(np.zeros((2, 3, 2)))
-    with pytest.raises(ValueError, match=r"actions\[1, 2, 1\] is nan"):
+    with pytest.raises(ValueError, match=r"actions\[1, 2, 1\]: got nan"):
         envs.step(np.array([[0.0, 0.0]] * 5 + [[0.0, np.nan]]))
     assert envs.simulator.state() == before
     with pytest.raises(ValueError, match="autoreset=True, expected False"):

@@ -86,14 +86,14 @@ def test_paths_are_as_cheap_as_dijkstra_s(
 @pytest.mark.parametrize(
     ("costs", "start", "message"),
     [
-        ([[1, 2]], (0, 0, 0), "costs: shape"),
-        ([[[1]]] * 2, (0, 0, 0), r"costs: shape \(2, 1, 1\), expected \(1 or 8"),
+        ([[1, 2]], (0, 0, 0), "costs: got shape"),
+        ([[[1]]] * 2, (0, 0, 0), r"costs: got shape \(2, 1, 1\), expected \(1 or 8"),
         ([[[256]]], (0, 0, 0), r"costs\[0, 0, 0\]: got 256, expected 0 \(closed\) to 255"),
         ([[[-1]]], (0, 0, 0), "got -1, expected 0"),
-        ([[[0.5]]], (0, 0, 0), "costs: dtype float64, expected int64"),
+        ([[[0.5]]], (0, 0, 0), "costs: got dtype float64, expected int64"),
         ([[[1]]], (0, 0, 1), r"start\[2\]: got 1, expected 0 to 0"),
         ([[[1]]], (0, -1, 0), r"start\[1\]: got -1, expected 0 to 0"),
-        ([[[1]]], (0, 0), "start: shape"),
+        ([[[1]]], (0, 0), "start: got shape"),
     ],
 )
 def test_invalid_grids_are_errors(costs: Any, start: tuple[int, ...], message: str) -> None:

@@ -655,10 +655,10 @@ def test_invalid_actions_are_errors_and_change_nothing() -> None:
     bad = np.zeros((2, 2, 3))
     bad[1, 0, 2] = np.nan
     with pytest.raises(
-        ValueError, match=r"actions\[1, 0, 2\] is nan, expected a number in \[-1, 1\]"
+        ValueError, match=r"actions\[1, 0, 2\]: got nan, expected a number in \[-1, 1\]"
     ):
         simulator.step(bad)
-    with pytest.raises(ValueError, match=r"actions: shape \(2, 2\), expected \(2, 2, 3\)"):
+    with pytest.raises(ValueError, match=r"actions: got shape \(2, 2\), expected .*\(2, 2, 3\)"):
         simulator.step(np.zeros((2, 2)))
     with pytest.raises(ValueError, match=r"world: got 2, expected 0 to 1"):
         simulator.set_path(2, 0, [[0.0, 0.0, 0.0]])

@@ -26,14 +26,14 @@ SOLIDS: list[Mesh] = [
     ball(1.0, 0),
     together(box(4.0), (box(2.0)[0], box(2.0)[1][:, ::-1])),
 ]
-# Meters. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
+# Meters. Squares and products of larger numbers overflow: see test_edge_cases.py.
 LEAST, MOST = 1e-60, 1e9
 ODD = [0.0, -0.0, LEAST, 1e-30, 1e-9, 1.0 + 2**-52, 1e6, 1e8, MOST, -MOST]
 BAD = [np.nan, np.inf, -np.inf, 1e300, 2e15]
 
 
 def cube_rotations() -> list[Floats]:
-    """The 24 rotations of a cube: whole numbers, so that nothing is rounded."""
+    """The 24 rotations of a cube: integers, hence without rounding."""
     found = []
     for order in itertools.permutations(range(3)):
         for signs in itertools.product((1.0, -1.0), repeat=3):
@@ -48,7 +48,7 @@ ROTATIONS = cube_rotations()
 
 
 class Reader:
-    """Takes values off the front of the bytes."""
+    """Reads values from the front of the bytes."""
 
     def __init__(self, data: bytes) -> None:
         self.data = data
@@ -69,7 +69,7 @@ class Reader:
         return (self.byte() % 17 - 8) / 2
 
     def number(self, exact: bool) -> float:
-        """A coordinate; where `exact`, one whose sums and products lose nothing."""
+        """A coordinate; if `exact`, one with sums and products without rounding."""
         if exact:
             return self.whole()
         kind = self.byte() % 8
@@ -135,7 +135,7 @@ class Reader:
         return pose
 
     def bad_pose(self) -> Any:
-        """Something that is no rigid motion, or of an odd shape."""
+        """A matrix that is not a rigid motion, or an array of another shape."""
         pose: Any = self.pose(False)
         kind = self.byte() % 7
         if kind == 0:

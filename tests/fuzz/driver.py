@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-# What grows without bound would stop the machine before it stops the run.
-# Long inputs from the start: what follows the last byte is zeros, and zeros are poor meshes.
+# Unbounded growth would stop the machine before it stops the run.
+# Long inputs from the start: missing bytes decode to zeros, which make poor meshes.
 LIMITS = ["-rss_limit_mb=4096", "-timeout=30", "-len_control=0"]
 
 
@@ -24,7 +24,7 @@ def instrument(*modules: str) -> None:
 
 
 def one_line(error: Exception, *words: str) -> None:
-    """The error is told in one line that holds one of the words."""
+    """Assert that the error is one line that contains one of the words."""
     text = str(error)
     assert len(text.splitlines()) == 1, f"not one line: {error!r}"
     assert any(word in text for word in words), f"names nothing: {error!r}"

@@ -1,4 +1,4 @@
-"""What must hold between the answers of the queries, whatever the meshes and poses.
+"""Laws between the results of the queries, for all meshes and poses.
 
 Exact worlds (small dyadic numbers, a cube's rotations) round nothing: there every law is strict.
 Elsewhere placing a vertex rounds it, so that a law may fail where the bodies touch within
@@ -18,13 +18,13 @@ Placed = tuple[Shape, Floats]
 
 
 def allowance(a: Placed, b: Placed, exact: bool) -> float:
-    """Meters within which a touch may be seen or not."""
+    """Distance (meters) within which a touch may or may not be reported."""
     reaches = [np.abs(s.vertices).max() + np.abs(T[:3, 3]).max() for s, T in (a, b)]
     return 1e-10 if exact else max(1e-11 * max(reaches), 1e-150)  # squares of less are 0
 
 
 def of_collide(a: Placed, b: Placed, exact: bool) -> None:
-    """Symmetric; the truth in an exact world; free only at a distance, however it is asked."""
+    """Symmetric, exact in an exact world, free only at a distance, for every form of query."""
     hit, back = collide(*a, *b), collide(*b, *a)
     gap = distance(*a, *b)
     near = allowance(a, b, exact)
@@ -43,7 +43,7 @@ def of_collide(a: Placed, b: Placed, exact: bool) -> None:
 
 
 def of_contact(a: Placed, b: Placed, exact: bool) -> None:
-    """A contact exactly where there is a collision; what it names exists; the point is on both."""
+    """A contact exists exactly for a collision; its features exist; the point is on both bodies."""
     found = contact_point(*a, *b)
     assert (found is not None) == collide(*a, *b)
     if found is None:
@@ -77,22 +77,22 @@ def of_distance(a: Placed, b: Placed, exact: bool) -> None:
 
 
 def of_margin(a: Placed, b: Placed, margins: list[float], exact: bool) -> None:
-    """More margin never sets free; the margin that counts is the distance."""
+    """A larger margin never turns a collision free; the critical margin is the distance."""
     del exact
     gap = float(distance(*a, *b))
     if "loop" in (a[0].method, b[0].method):  # unsound, but over 0 a margin is exact
         margins = [margin for margin in margins if margin > 0]
-    told = [collide(*a, *b, margin=margin) for margin in sorted(margins)]
-    assert told == sorted(told), "not monotone"
+    results = [collide(*a, *b, margin=margin) for margin in sorted(margins)]
+    assert results == sorted(results), "not monotone"
     if not gap:
-        assert collide(*a, *b, margin=1e-150)  # whose square is not 0
+        assert collide(*a, *b, margin=1e-150)  # with a square above 0
     elif gap > 1e-150:
         assert collide(*a, *b, margin=gap * (1 + 1e-12)), gap
         assert not collide(*a, *b, margin=gap * (1 - 1e-12)), gap
 
 
 def of_many(a: Placed, b: Placed, other: Floats) -> None:
-    """An array of poses has the answers of its poses, for any number of threads."""
+    """An array of poses has the results of its single poses, for any number of threads."""
     poses = np.stack([b[1], other, b[1]])
     for query in (collide, distance):
         one = [query(*a, b[0], T) for T in poses]
@@ -101,7 +101,7 @@ def of_many(a: Placed, b: Placed, other: Floats) -> None:
 
 
 def of_rays(a: Placed, origins: Floats, directions: Floats, reach: float) -> None:
-    """Hits lie on the face named, within reach; less reach changes nothing nearer."""
+    """Hits lie on the reported face, within reach; a smaller reach keeps all nearer hits."""
     shape, T = a
     at, faces = shape.raycast(origins, directions, T)
     assert ((faces >= 0) == np.isfinite(at)).all()
@@ -116,7 +116,7 @@ def of_rays(a: Placed, origins: Floats, directions: Floats, reach: float) -> Non
 
 
 def of_contains(a: Placed, points: Floats) -> None:
-    """Only for a solid; its own vertices are its own; what is beyond its bounds is not."""
+    """Only for a solid: its vertices are inside, points beyond its bounds are not."""
     shape, T = a
     if not shape.watertight:
         with pytest.raises(ValueError, match="watertight"):

@@ -1,9 +1,9 @@
 """Fuzz target: the bytes of a mesh file of each format, through `Shape.load`.
 
-    PYTHONPATH=tests python -m fuzz.loader -max_total_time=3600 CORPUS   # an hour; keeps its finds
+    PYTHONPATH=tests python -m fuzz.loader -max_total_time=3600 CORPUS   # an hour; keeps new inputs
     PYTHONPATH=tests python -m fuzz.loader crash-1234                    # runs one input again
 
-The first byte chooses the format, the rest is the file. The file is read, or refused in one line.
+The first byte chooses the format, the rest is the file. It is read, or raises a one-line error.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from oracles.solids import angle_iron, box
 
 from fgenv.collision import Shape
 
-# The documented formats come first and twice; then whatever else trimesh says it reads.
+# The documented formats first and twice, then all other formats of trimesh.
 NAMED = ["stl", "obj", "ply", "off", "glb", "dae"]
 FORMATS = [*NAMED, *NAMED, *sorted(set(trimesh.available_formats()) - set(NAMED))]
 FOLDER = Path(tempfile.mkdtemp(prefix="fgenv-fuzz-"))
@@ -54,7 +54,7 @@ def load(data: bytes) -> None:
 
 
 def seeds() -> list[bytes]:
-    """Small whole files of each format that trimesh writes."""
+    """Small complete files of each format that trimesh writes."""
     made = []
     for i, extension in enumerate(NAMED):
         for solid in (box(1.0), angle_iron()):
@@ -70,5 +70,5 @@ def seeds() -> list[bytes]:
 
 
 if __name__ == "__main__":
-    logging.disable(logging.CRITICAL)  # trimesh tells of every odd file
+    logging.disable(logging.CRITICAL)  # trimesh logs every invalid file
     run(load, seeds())

@@ -1,7 +1,7 @@
 // Fuzz target of the native core: bytes as two meshes and a pose, through reading, feature graphs, tree
 // and kernels, under the address and undefined-behavior sanitizers.
 //
-//     tests/fuzz/native.sh 3600 CORPUS            # an hour; keeps what it finds (CXX: GCC or Clang)
+//     tests/fuzz/native.sh 3600 CORPUS            # an hour; keeps new inputs (CXX: GCC or Clang)
 //     build/fuzz/native crash-1234                # runs one input again
 //
 // With Clang the driver is libFuzzer; any other compiler gets the small one in native_driver.cpp. What
@@ -37,7 +37,7 @@ namespace {
         }                                                                                \
     } while (false)
 
-// Meters. Beyond, squares and products leave the range of a number: see test_edge_cases.py.
+// Meters. Squares and products of larger numbers overflow: see test_edge_cases.py.
 constexpr double least = 1e-60, most = 1e9;
 
 struct Reader {
@@ -45,7 +45,7 @@ struct Reader {
     const uint8_t* end;
     uint8_t byte() { return at < end ? *at++ : 0; }
     double whole() { return (byte() % 17 - 8) / 2.0; }
-    // Exact: what sums and products lose nothing of.
+    // Exact: numbers with sums and products without rounding.
     double number(bool exact) {
         static const double odd[] = {least, 1e-30, 1e-9, 1 + 0x1p-52, 1e6, 1e8, most, -most};
         if (exact) return whole();
@@ -124,7 +124,7 @@ void check_mesh(const Mesh& m) {
     const bool two_sided =
         std::all_of(m.edges.begin(), m.edges.end(), [](const Edge& e) { return e.opposed || e.faces_around != 2; });
     LAW(two_sided || !m.watertight);
-    if (!two_sided) return;  // wound anew each time it is read
+    if (!two_sided) return;  // wound differently each time it is read
     const Mesh again = read_mesh(m.vertices, m.faces);
     LAW(again.faces == m.faces && again.vertices.size() == m.vertices.size());
     const Repairs& r = again.repairs;
@@ -227,7 +227,7 @@ Vec3 nearest_on(const Triangle& t, Vec3 p) {
 double gap_of_sides(Vec3 p, Vec3 p2, Vec3 q, Vec3 q2) {
     const Vec3 u = p2 - p, w = q2 - q, r = p - q;
     const double uu = dot(u, u), ww = dot(w, w), uw = dot(u, w), det = uu * ww - uw * uw;
-    const auto clamped = [](double x) { return x >= 0 ? lesser(x, 1) : 0; };  // 0 for no number
+    const auto clamped = [](double x) { return x >= 0 ? lesser(x, 1) : 0; };  // 0 for NaN
     double s = clamped((uw * dot(w, r) - dot(u, r) * ww) / det);
     const double t = clamped((uw * s + dot(w, r)) / ww);
     s = clamped((uw * t - dot(u, r)) / uu);
@@ -255,7 +255,7 @@ void check_pair(const Kernels& k, const Shape& a, const Shape& b, const Rigid& p
     const bool meet = surfaces_meet(in_a, in_b);
     const double reach = a.reach + b.reach + std::fabs(pose.t[0]) + std::fabs(pose.t[1]) + std::fabs(pose.t[2]);
     LAW(hit == (w.side != Witness::none));
-    LAW(!hit || contained || meet);  // nothing is made up
+    LAW(!hit || contained || meet);  // no false hits
     if (meet && !hit && !exact) {    // coplanar faces, placed, are so only within rounding
         Rigid nudged = pose;
         for (int axis = 0; axis < 3 && meet; ++axis)
@@ -265,12 +265,12 @@ void check_pair(const Kernels& k, const Shape& a, const Shape& b, const Rigid& p
                 if (!surfaces_meet(in_a, placed(b.mesh, &nudged))) return;
             }
     }
-    LAW(!meet || hit);  // nothing is missed
+    LAW(!meet || hit);  // no missed hits
     const bool chosen = k.collide(a, b, pose, false, nullptr);
     const bool loop = a.graph.settings.method == Method::loop || b.graph.settings.method == Method::loop;
-    LAW(loop || !chosen || hit);  // a coarser graph makes nothing up
+    LAW(loop || !chosen || hit);  // a coarser graph has no false hits
     const Nearest near = k.nearest(a, b, pose, HUGE_VAL, false);
-    if (reach > 1e12) return;  // beyond, floats decide too little to compare
+    if (reach > 1e12) return;  // beyond this, floats are too coarse for a comparison
     LAW(near.face_a >= 0 && near.face_b >= 0 && near.squared >= 0);
     if (meet) return;
     const double truth = gap(in_a, in_b), found = std::sqrt(near.squared);

@@ -1,4 +1,4 @@
-// libFuzzer in small, for compilers without it, with its arguments: -max_total_time=SECONDS, -seed=N, a
+// A small replacement of libFuzzer for compilers without it, with its arguments: -max_total_time=SECONDS, -seed=N, a
 // folder to start from and to keep what is found in, or files to run again. Mutations are seeded; an
 // input that reaches code that none before it reached is kept and mutated in its turn. GCC's
 // -fsanitize-coverage=trace-pc reports the code that is reached. This file is compiled without it.
@@ -53,7 +53,7 @@ void on_abort(int) {
     std::raise(SIGABRT);
 }
 
-// Whether it reached something new.
+// Whether an input reached new code.
 bool run(const Input& input) {
     const size_t before = places;
     current = input;
@@ -73,7 +73,7 @@ Input mutated(const std::vector<Input>& corpus, std::mt19937_64& random) {
             case 2: out.insert(here, static_cast<uint8_t>(random())); break;
             case 3: out.erase(here); break;
             case 4: *here = out[below(out.size())]; break;
-            default: {  // the end of another
+            default: {  // append the end of another input
                 const Input& other = corpus[below(corpus.size())];
                 out.resize(at);
                 if (at < other.size())

@@ -1,10 +1,10 @@
 """Fuzz target: bytes as two small meshes and their poses, through every query.
 
-    PYTHONPATH=tests python -m fuzz.queries -max_total_time=3600 CORPUS  # an hour; keeps its finds
+    PYTHONPATH=tests python -m fuzz.queries -max_total_time=3600 CORPUS  # an hour; keeps new inputs
     PYTHONPATH=tests python -m fuzz.queries crash-1234                   # runs one input again
 
 The meshes are open, folded, doubled, crossing, sliver-thin or sound; the poses rigid or not. A
-query gives its documented answer or one line of an error; answers keep the laws of `laws.py`.
+query gives its documented result or a one-line error; results obey the laws of `laws.py`.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ METHODS: list[dict[str, Any]] = [
 
 
 def ask(data: bytes) -> None:
-    """The first byte chooses: an exact world, a rounded one, or arguments that make no sense."""
+    """The first byte chooses an exact world, a rounded one, or invalid arguments."""
     reader = Reader(data)
     kind = reader.byte() % 8
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -70,7 +70,7 @@ def keep_laws(reader: Reader, exact: bool) -> None:
 
 
 def made(reader: Reader, exact: bool) -> Shape | None:
-    """A shape; None for a mesh without area, which is refused."""
+    """A shape; None for a mesh without area, which raises an error."""
     chosen = reader.choice(METHODS)
     vertices, faces = reader.mesh(exact)
     try:
@@ -81,7 +81,7 @@ def made(reader: Reader, exact: bool) -> Shape | None:
 
 
 def ask_nonsense(reader: Reader) -> None:
-    """Each call answers, or says in one line what is wrong."""
+    """Each call returns a result or raises a one-line error."""
     vertices, faces = reader.mesh(False)
     what = reader.byte() % 6
     if what == 0:
@@ -112,7 +112,7 @@ def ask_nonsense(reader: Reader) -> None:
 
 
 def explains(call: Callable[[], Any]) -> Any:
-    """What the call returns; None if it raised one line about its arguments."""
+    """Result of the call; None if it raised a one-line error about its arguments."""
     try:
         return call()
     except (ValueError, TypeError) as error:

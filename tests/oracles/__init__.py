@@ -1,1 +1,1 @@
-"""Independent answers that the tests compare with."""
+"""Independent implementations for comparison in tests."""

@@ -1,4 +1,4 @@
-"""Independent answers: python-fcl, coal, solid angles, and whole numbers where those fall out."""
+"""Independent results: python-fcl, coal, solid angles, and integers to settle disagreements."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def fcl_checker(a: Mesh, b: Mesh, pose_a: Floats) -> Checker:
 
 
 def coal_verdicts(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> NDArray[np.bool_]:
-    """coal's verdicts (n,). It calls gaps under 1e-6 units a hit, so its units are made small."""
+    """coal's results (n,). It reports gaps under 1e-6 units as hits, hence the small units."""
     checker, _, poses = _coal(a, b, pose_a, poses)
     return checker.collide_all(poses)
 
@@ -35,7 +35,7 @@ def coal_distances(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> Floats:
 
 
 def _coal(a: Mesh, b: Mesh, pose_a: Floats, poses: Floats) -> tuple[Checker, float, Floats]:
-    """A checker in units of which the bodies measure a million; a power of two changes no digit."""
+    """A checker in units in which bodies measure a million; a power of two changes no digit."""
     coal = peer("coal")
     unit = 2.0 ** round(np.log2(1e6 / max(a.size, b.size)))
     model_a, model_b = (coal.build(Mesh(m.name, m.vertices * unit, m.faces)) for m in (a, b))

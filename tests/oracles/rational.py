@@ -1,4 +1,4 @@
-"""Slow, exact: do two closed triangles, or two meshes, share a point?
+"""Exact, slow intersection tests of closed triangles and of meshes.
 
 Doubles are fractions, so everything is decided in whole numbers over one common denominator: poses
 times vertices, planes, crossings. Nothing of fgenv is used, so that it can settle disputes.
@@ -172,7 +172,7 @@ def candidates(
     faces_b: NDArray[np.int32],
     pose_b: Floats,
 ) -> Iterator[tuple[int, int]]:
-    """Pairs of faces that doubles can't tell apart (with a generous allowance for rounding)."""
+    """Pairs of faces that doubles cannot separate (with a generous allowance for rounding)."""
     a = _corners(vertices_a, faces_a, pose_a)
     b = _corners(vertices_b, faces_b, pose_b)
     reach = max(np.abs(a).max(), np.abs(b).max())

@@ -46,7 +46,7 @@ def render(
 
 
 def _edges(color: Floats) -> Flags:
-    """Pixels (h, w) whose color differs from a neighbor's."""
+    """Pixels (h, w) with a color that differs from a neighbor's."""
     rough = np.zeros(color.shape[:2], dtype=bool)
     across = (np.abs(np.diff(color, axis=1)) > CONTRAST).any(axis=2)
     down = (np.abs(np.diff(color, axis=0)) > CONTRAST).any(axis=2)
@@ -59,7 +59,7 @@ def _edges(color: Floats) -> Flags:
 
 @dataclass
 class _Traced:
-    """A solid that rays are cast at."""
+    """A solid for ray casts."""
 
     solid: Solid
 

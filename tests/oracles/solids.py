@@ -1,4 +1,4 @@
-"""Small solids whose collisions are known on paper: (vertices, faces), meters, wound outward."""
+"""Small solids with known collisions: (vertices, faces), meters, wound outward."""
 
 from __future__ import annotations
 

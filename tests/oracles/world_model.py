@@ -1,4 +1,4 @@
-"""Worlds at random, and a plain model of one: every pair asked, motions by samples."""
+"""Random worlds, and a simple model of a world: tests of every pair, motions by samples."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Item:
 
 
 class Model:
-    """What a World should say, by asking every pair. Methods are named as the World's."""
+    """Reference results of a World by testing every pair, with the World's method names."""
 
     def __init__(self) -> None:
         self.items: dict[int, Item] = {}
@@ -121,14 +121,14 @@ class Model:
     def set_trajectory(self, body: int, times: Floats | None, poses: Floats | None) -> None:
         self.items[body].times, self.items[body].poses = times, poses
 
-    # Who is what
+    # Roles of bodies
 
     def root(self, body: int) -> int:
         carrier = self.items[body].carrier
         return body if carrier is None else self.root(carrier)
 
     def parts(self, root: int) -> list[int]:
-        """The body, and all that it carries."""
+        """The body and all bodies that it carries."""
         found = [root]
         for one in found:
             found += [p for p, item in self.items.items() if item.carrier == one]
@@ -144,13 +144,13 @@ class Model:
         return self.root(a) == self.root(b) or b in one.allowed or grouped
 
     def pairs(self, robot: int) -> Iterator[tuple[int, int]]:
-        """Part of the robot, other body: all that may not meet."""
+        """Pairs (part of the robot, other body) that must not touch."""
         for part, other in itertools.product(self.parts(robot), self.items):
             if not self.ignores(part, other):
                 yield part, other
 
     def pose(self, body: int, times: Floats | None = None) -> Floats:
-        """Where a body is: (4, 4) now, or (n, 4, 4) at times (n,)."""
+        """Pose of a body: (4, 4) now, or (n, 4, 4) at times (n,)."""
         item, root = self.items[body], self.items[self.root(body)]
         if times is None or root.times is None:
             return item.pose
@@ -169,7 +169,7 @@ class Model:
     def hits(
         self, robot: int, poses: Floats, times: Floats | None = None, margin: float = 0.0
     ) -> dict[int, Flags]:
-        """Per body: at which of the robot's poses (n, 4, 4) it is met."""
+        """Per body: flags of the robot's poses (n, 4, 4) at which the two collide."""
         found: dict[int, Flags] = {}
         for part, other in self.pairs(robot):
             item, there = self.items[part], self.pose(other, times)

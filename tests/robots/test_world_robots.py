@@ -306,26 +306,35 @@ def test_invalid_calls_are_errors() -> None:
     for ask, words in (
         (
             lambda: world.collides("arm", np.eye(4)),
-            r"poses: shape \(4, 4\), expected \(\.\.\., 1\)",
+            r"poses: got shape \(4, 4\), expected configurations \(\.\.\., 1\)",
         ),
-        (lambda: world.collides("cube", [0.1]), r"poses: shape \(1,\), expected \(\.\.\., 4, 4\)"),
+        (
+            lambda: world.collides("cube", [0.1]),
+            r"poses: got shape \(1,\), expected homogeneous poses \(\.\.\., 4, 4\)",
+        ),
         (lambda: world.check_motion("arm", [np.nan], [0.0]), "start.*joint0"),
-        (lambda: world.set_pose("arm", np.eye(4)), "'arm' is a robot; set_configuration"),
-        (lambda: world.set_configuration("cube", [0.0]), "'cube' is a body; set_pose"),
-        (lambda: world.configuration(cube), "'cube' is a body; poses"),
+        (
+            lambda: world.set_pose("arm", np.eye(4)),
+            "got robot 'arm', expected bodies; use set_configuration",
+        ),
+        (
+            lambda: world.set_configuration("cube", [0.0]),
+            "got body 'cube', expected a robot; use set_pose",
+        ),
+        (lambda: world.configuration(cube), "got body 'cube', expected a robot; use poses"),
         (lambda: world.set_configuration("arm", [[0.0]]), "q: .*expected one"),
-        (lambda: world.add_robot(robot, [0.0, 1.0]), r"q: shape \(2,\)"),
-        (lambda: world.add_robot(robot, name="arm"), "name: 'arm' is taken"),
-        (lambda: world.add_robot(robot, name="cube"), "name: 'cube' is taken"),
+        (lambda: world.add_robot(robot, [0.0, 1.0]), r"q: got shape \(2,\)"),
+        (lambda: world.add_robot(robot, name="arm"), "name: got 'arm', taken by"),
+        (lambda: world.add_robot(robot, name="cube"), "name: got 'cube', taken by"),
         (lambda: world.add_robot(Robot("empty", [Link("l")])), "no shapes"),
         (lambda: world.remove("arm/link1"), "part of robot 'arm'"),
         (lambda: world.detach("arm/link1"), "part of robot 'arm'"),
-        (lambda: world.attach("arm", "cube"), "'arm' is a robot"),
+        (lambda: world.attach("arm", "cube"), "got robot 'arm', expected a body"),
         (lambda: world.collides("arm/link1", [0.1]), "carried by 'arm'"),
         (lambda: world.set_path("arm", [0.0]), r"expected \(K, nq\)"),
         (
             lambda: world.check_motions(["arm", "cube"], [[0.0]] * 2, [[0.0]] * 2),
-            "'cube' has other coordinates than 'arm'",
+            "got 'cube' and 'arm' with different coordinates",
         ),
     ):
         with pytest.raises(ValueError, match=words):

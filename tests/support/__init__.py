@@ -1,4 +1,4 @@
-"""Parts that the tests share."""
+"""Helpers for tests."""
 
 from pathlib import Path
 

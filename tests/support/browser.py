@@ -37,7 +37,7 @@ FLAGS = [
 
 
 class Page:
-    """A page; `errors` are what it complained of in its console."""
+    """A page; `errors` lists the errors in its console."""
 
     def __init__(self, address: str, width: int, height: int) -> None:
         from websockets.sync.client import connect
@@ -50,18 +50,18 @@ class Page:
         self.call("Emulation.setDeviceMetricsOverride", **size)
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """A command's answer; what the page says meanwhile is looked at."""
+        """Return the result of a command; handle events of the page in the meantime."""
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": parameters}))
         while True:
-            said = json.loads(self._socket.recv(timeout=60))
-            if said.get("id") == number:
-                assert "error" not in said, said
-                return dict(said["result"])
-            self._hear(said)
+            message = json.loads(self._socket.recv(timeout=60))
+            if message.get("id") == number:
+                assert "error" not in message, message
+                return dict(message["result"])
+            self._handle(message)
 
-    def _hear(self, said: dict[str, Any]) -> None:
-        method, what = said.get("method"), said.get("params", {})
+    def _handle(self, message: dict[str, Any]) -> None:
+        method, what = message.get("method"), message.get("params", {})
         if method == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(what["exceptionDetails"])[:500])
         if method == "Runtime.consoleAPICalled" and what["type"] in ("error", "assert"):
@@ -70,7 +70,7 @@ class Page:
             self.errors.append(what["entry"]["text"] + what["entry"].get("url", ""))
 
     def open(self, url: str) -> None:
-        """Go there."""
+        """Open a URL."""
         self.call("Page.navigate", url=url)
 
     def run(self, script: str) -> Any:
@@ -80,10 +80,10 @@ class Page:
         return found["result"].get("value")
 
     def wait(self, script: str, seconds: float = 30.0) -> None:
-        """Until an expression is true."""
+        """Wait until an expression is true."""
         end = time.monotonic() + seconds
         while not self.run(f"Boolean({script})"):
-            assert time.monotonic() < end, f"{script} did not come true; {self.errors}"
+            assert time.monotonic() < end, f"{script} did not become true; {self.errors}"
             time.sleep(0.1)
 
     def key(self, key: str) -> None:
@@ -94,17 +94,17 @@ class Page:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, **text)
 
     def click(self, x: float, y: float) -> None:
-        """Click there, pixels."""
+        """Click at a position in pixels."""
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def picture(self) -> NDArray[np.uint8]:
-        """What is seen, (height, width, 3)."""
+        """Screenshot of the page, (height, width, 3)."""
         data = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
 
     def settled(self) -> NDArray[np.uint8]:
-        """What is seen when it changes no more."""
+        """Screenshot of the page once it no longer changes."""
         before = self.picture()
         for _ in range(40):
             time.sleep(0.4)
@@ -117,7 +117,7 @@ class Page:
 
 @contextmanager
 def page(width: int = 960, height: int = 640) -> Iterator[Page]:
-    """A page of a browser of its own, which is ended afterwards."""
+    """A page in a new browser, which is closed afterwards."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         command = [str(CHROMIUM), *FLAGS, f"--user-data-dir={folder}", "about:blank"]
         browser = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -133,7 +133,7 @@ def page(width: int = 960, height: int = 640) -> Iterator[Page]:
 
 
 def _line(path: Path, seconds: float = 30.0) -> str:
-    """The first line of a file that is about to be written."""
+    """Wait for the first line of a file."""
     end = time.monotonic() + seconds
     while not (path.exists() and path.read_text().strip()):
         assert time.monotonic() < end, f"{path} was not written"

@@ -1,4 +1,4 @@
-"""What tests of policies, records and runs share: one robot of each kind in free space."""
+"""Shared set-up of tests of policies, records and runs: one robot per kind in free space."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ARM = "package://fgenv/scenarios/library/arm.urdf"
 
 
 def alone(kind: str, seed: int = 0, **fields: Any) -> Scenario:
-    """A robot with that drive and nothing else; its goal is where the seed says."""
+    """A robot with the drive in free space; the seed gives its goal."""
     model: dict[str, Any] = {"drive": {"kind": kind, **DRIVES[kind]}}
     if kind == "joint_velocity":
         model["urdf"] = ARM
@@ -55,7 +55,7 @@ def ends(kind: str, rng: np.random.Generator) -> tuple[tuple[float, ...], tuple[
         )
     if kind == "drone":
         return (0, 0, 0, *yaw_quaternion(yaw[0])), (*far.tolist(), *yaw_quaternion(yaw[1]))
-    if kind == "car":  # ahead, as pure pursuit wants it
+    if kind == "car":  # ahead, as pure pursuit requires
         course = yaw[0] + rng.uniform(-0.6, 0.6)
         x, y = 8.0 * math.cos(course), 8.0 * math.sin(course)
         return (0, 0, yaw[0]), (x, y, course + rng.uniform(-0.6, 0.6))

@@ -19,14 +19,14 @@ CLASSES = (100, 300, 1000, 3000, 10_000, 30_000)  # bounds of the classes of siz
 
 @dataclass(frozen=True)
 class MeshPair:
-    """Two meshes of like size; the unit of `b` is changed by a power of ten if it must be."""
+    """Two meshes of similar size; the unit of `b` is scaled by a power of ten if necessary."""
 
     a: Source
     b: Source
 
     @property
     def name(self) -> str:
-        """For the name of a test."""
+        """Label for the name of a test."""
         return f"{Path(self.a.path).stem}-{Path(self.b.path).stem}"
 
     def load(self) -> tuple[Mesh, Mesh]:
@@ -37,7 +37,7 @@ class MeshPair:
 
 
 def triangles(path: Path) -> int:
-    """Triangles in an STL file, told by its header; 0 for a text STL."""
+    """Number of triangles in an STL file from its header; 0 for a text STL."""
     with path.open("rb") as file:
         head = file.read(84)
     count = int(struct.unpack("<I", head[80:84])[0]) if len(head) == 84 else 0
@@ -59,7 +59,7 @@ def sources() -> tuple[tuple[Source, ...], ...]:
 
 
 def pairs(count: int, largest: int = CLASSES[-1], seed: int = 0) -> list[MeshPair]:
-    """`count` different pairs with at most `largest` triangles a mesh, each class as likely."""
+    """`count` different pairs with at most `largest` triangles per mesh, classes equally likely."""
     rng = np.random.default_rng(seed)
     allowed = [some for some, top in zip(sources(), CLASSES[1:], strict=True) if top <= largest]
     chosen: dict[MeshPair, None] = {}

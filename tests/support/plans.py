@@ -12,7 +12,7 @@ from fgenv.metrics import Results
 
 
 class Held:
-    """A policy, but for a robot that does not act for some steps."""
+    """A policy, except for a robot that does not act for some steps."""
 
     def __init__(self, policy: Policy, robot: int, first: int, last: int) -> None:
         self.policy, self.robot, self.steps = policy, robot, range(first, last)
@@ -29,7 +29,7 @@ class Held:
 
 
 def driven(name: str, policy: str, **options: Any) -> tuple[Results, PlanPolicy]:
-    """An episode, which is run again from its record; and the policy after it."""
+    """Run an episode, verify it from its record, and return it with the policy."""
     simulator, made = Simulator(name, autoreset=False, **options), policy_of(policy)
     assert isinstance(made, PlanPolicy)
     made.strict = True

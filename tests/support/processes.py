@@ -1,4 +1,4 @@
-"""Waiting for the work of a process, which the load of the machine does not change."""
+"""Waiting for the CPU time of a process, independent of the machine's load."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def wait_for_cpu(process: subprocess.Popen[bytes], seconds: float) -> None:
-    """Wait until a process has used so many CPU-seconds, or has ended."""
+    """Wait until a process has used the given CPU-seconds, or has ended."""
     while process.poll() is None:
         fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
         ticks = int(fields[11]) + int(fields[12])  # user and system time

@@ -13,7 +13,7 @@ from fgenv.robots import Joint, Link, LinkShape, Mimic, Robot
 from fgenv.robots.primitives import box
 
 URDFS = (
-    "panda_description/urdf/panda.urdf",  # a gripper whose fingers mimic
+    "panda_description/urdf/panda.urdf",  # a gripper with mimic joints
     "ur_description/urdf/ur5_robot.urdf",
     "kinova_description/robots/kinova.urdf",  # continuous joints
     "z1_description/urdf/z1.urdf",
@@ -46,7 +46,7 @@ def urdf(path: str) -> Path:
 
 @cache
 def real(path: str) -> Robot:
-    """One of `URDFS`, without its shapes' cost twice."""
+    """One of `URDFS`, cached."""
     return Robot.from_urdf(urdf(path))
 
 
@@ -66,7 +66,7 @@ def place(rng: np.random.Generator, reach: float = 0.5) -> Floats:
 
 
 def random_tree(rng: np.random.Generator, base: str | None = None, most: int = 8) -> Robot:
-    """A tree of random joints; some mimic others, some axes are parallel, some links bear a box."""
+    """A tree of random joints: some mimic others, some axes are parallel, some links have a box."""
     n = int(rng.integers(1, most))
     links = [
         Link(f"link{i}", [LinkShape(BOX, place(rng))] if rng.random() < 0.5 else ())

@@ -40,7 +40,7 @@ class Shell:
         return data
 
     def refuses(self, *words: object) -> str:
-        """Return the error of a wrong use: one line on stderr."""
+        """Return the error of an invalid use: one line on stderr."""
         code, out, err = self(*words)
         assert (code, out, err.count("\n")) == (2, "", 1)
         return err

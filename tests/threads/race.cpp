@@ -60,7 +60,7 @@ struct Random {
     }
 };
 
-constexpr int bodies = 12;  // that stay; others come and go
+constexpr int bodies = 12;  // permanent bodies; others are added and removed
 
 // One of each query.
 double ask(const World& w, Random& random) {
@@ -110,7 +110,7 @@ void change(World& w, Random& random, const std::shared_ptr<Shape>& shape, const
     once([&] { w.remove(mine); });
 }
 
-// Threads that only ask get what one alone gets.
+// Concurrent queries give the results of a single thread.
 void agree(const World& w) {
     constexpr int each = 40;
     const auto series = [&w](int seed, double* out) {

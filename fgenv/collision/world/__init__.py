@@ -1,4 +1,4 @@
-"""A world: bodies that move among each other, their collision masks and certified motions.
+"""A world: moving bodies, their collision masks and certified motions.
 
 Path-driven masks follow Ma Li, Wang Qiang et al. (sections 2.3 and 2.4), made sound and per robot.
 Motions are certified by conservative advancement. README, "How it works", gives the reasons.

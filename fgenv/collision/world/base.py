@@ -1,4 +1,4 @@
-"""Types that all parts of a world share."""
+"""Types shared by all parts of a world."""
 
 from __future__ import annotations
 

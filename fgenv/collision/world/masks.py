@@ -27,7 +27,7 @@ class MaskMethods(WorldBase):
         """Compute the motion boxes of a path, set the masks and return the candidates' ids.
 
         The motion box of a leg bounds the whole robot along that leg, rotation included. The robot
-        owns one bit. Each body has that bit set if it meets a box, at its pose or along its own
+        owns one bit. Each body has that bit set if it overlaps a box, at its pose or along its own
         path or trajectory. Masks follow at once when bodies are added, moved or removed and when
         paths of other robots change.
 
@@ -51,7 +51,7 @@ class MaskMethods(WorldBase):
         return self._core.motion_boxes(robot)
 
     def mask(self, body: Body) -> int:
-        """The body's mask: one bit per robot whose motion boxes it meets, and its own bit."""
+        """The body's mask: its own bit, and those of robots with motion boxes that it overlaps."""
         return self._core.mask(body)
 
     def own_bit(self, robot: Body) -> int:

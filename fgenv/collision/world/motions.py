@@ -75,7 +75,7 @@ class MotionMethods(BodyMethods):
         start_time: float | None = None,
         end_time: float | None = None,
     ) -> MotionResult:
-        """Check simultaneous motions of robots (n,), each against the others' motions too.
+        """Check simultaneous motions of robots (n,), also against each other.
 
         Each robot's result is its first contact, as if no robot stopped at a contact.
 
@@ -107,7 +107,7 @@ class MotionMethods(BodyMethods):
         tolerance: float = TOLERANCE,
         threads: int | None = None,
     ) -> Any:
-        """Whether simultaneous motions of two robots are not proved apart: bool or array.
+        """Whether simultaneous motions of two robots are not proved free: bool or array.
 
         Only these two robots are tested, whatever the current poses in the world.
 
@@ -138,7 +138,7 @@ class MotionMethods(BodyMethods):
         start_time: float | None = None,
         end_time: float | None = None,
     ) -> MotionResult:
-        """Move robots (n,) at once from their current poses, each up to its first contact.
+        """Move robots (n,) simultaneously from their current poses, each up to its first contact.
 
         Both robots of a contact stop there, in chronological order; later arrivals collide with the
         stopped robots. `free_until` is the fraction of its motion that a robot has completed.

@@ -1,4 +1,4 @@
-"""Results of queries on a world. Each gives bodies by id and by name."""
+"""Results of queries on a world, with bodies by id and by name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .base import Model
 
 
 class NamedBodies(Protocol):
-    """A world, as results use it: names of ids, of the same shape."""
+    """Protocol of a world for results: names of ids, in an array of the same shape."""
 
     def body_names(self, ids: ArrayLike) -> Any: ...
     def link_names(self, ids: ArrayLike) -> Any: ...

@@ -1,5 +1,5 @@
-// The boundary between NumPy and the core: shape, dtype and finiteness of every argument are checked
-// here, and an error names the argument, what came and what is expected.
+// The boundary between NumPy and the core. Shape, dtype and finiteness of every argument are checked here;
+// errors have the form `name: got X, expected Y; remedy`.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -18,7 +18,7 @@ namespace nb = nanobind;
 using Dims = std::vector<int64_t>;
 
 std::string to_string(const Dims& dims);
-std::string index_text(const Dims& dims, int64_t flat);  // [i, j]; nothing for a single value
+std::string index_text(const Dims& dims, int64_t flat);  // "[i, j]"; empty for a single value
 std::string number(double x);
 
 // A C-contiguous array of doubles or of 64-bit indices, kept alive.
@@ -29,9 +29,9 @@ struct Array {
     const T* data() const { return view.data(); }
 };
 
-// Numbers of any kind and nesting become doubles; complex, text and objects are a TypeError.
+// Converts real numbers of any type and nesting to doubles; complex numbers, text and objects raise TypeError.
 Array<double> doubles(nb::handle value, const char* name);
-// Whole numbers only.
+// Integers only.
 Array<int64_t> indices(nb::handle value, const char* name);
 
 // Rows of three finite coordinates: (..., 3).
@@ -61,7 +61,7 @@ struct Poses {
 };
 Poses poses(nb::handle value, const char* name);
 
-// Into a row of an array (..., 4, 4).
+// Writes a pose into an array (..., 4, 4).
 static inline void write_pose(const Rigid& pose, double* m) {
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) m[4 * r + c] = pose.r[r][c];
@@ -71,7 +71,7 @@ static inline void write_pose(const Rigid& pose, double* m) {
     m[15] = 1;
 }
 
-// Broadcast of leading dimensions as NumPy does it.
+// Broadcast of leading dimensions with NumPy's rules.
 struct Broadcast {
     Dims dims;
     int64_t size = 1;

@@ -1,5 +1,5 @@
-// A world's checker as OMPL's callbacks: states come by the state space's own `serialize`, straight into
-// buffers that lie here, and no Python code runs in between.
+// A world's checker as callbacks for OMPL. The state space's `serialize` writes states directly into buffers of
+// the checker, without Python code in between.
 #include "bind/bind.h"
 
 #include <nanobind/stl/vector.h>
@@ -12,10 +12,10 @@ namespace {
 
 using namespace nb::literals;
 
-constexpr int64_t hear = 64;  // callbacks between two looks for Ctrl-C
+constexpr int64_t hear = 64;  // callbacks between checks for Ctrl-C
 
-// What is wrong in a callback is kept, and raised when the planner has returned: some planners call from where
-// an exception would end the process.
+// An error in a callback is stored and raised after the planner returns: some planners call back from code in
+// which an exception would end the process.
 class BoundChecker {
 public:
     BoundChecker(nb::object world, std::vector<Member> members, const MotionSettings& settings)
@@ -31,7 +31,7 @@ public:
         into_from_ = nb::steal(PyCapsule_New(from_.data(), "nb_handle", nullptr));
         into_to_ = nb::steal(PyCapsule_New(to_.data(), "nb_handle", nullptr));
     }
-    // `stop` is called once something is wrong, or after so many questions (0: any number). Forgets an error.
+    // Calls `stop` after an error, or after this number of calls (0: no limit). Clears a stored error.
     void watch(nb::object stop, int64_t most) {
         stop_ = std::move(stop);
         last_ = most ? calls_ + most : 0;
@@ -40,7 +40,7 @@ public:
 
     bool valid(PyObject* state) {
         return guarded([&] {
-            const auto lock = reading(world_);  // first: waiting for it lets other threads in
+            const auto lock = reading(world_);  // first, because waiting for it lets other threads run
             read(state, into_to_);
             return checker.valid(to_.data());
         });
@@ -97,7 +97,8 @@ private:
             PyErr_Clear();
     }
     void read(PyObject* state, const nb::object& into) {
-        if (!serialize_.is_valid()) throw std::invalid_argument("serve: not called yet");
+        if (!serialize_.is_valid())
+            throw std::invalid_argument("serve: got a callback before the first call, expected serve first");
         PyObject* args[2] = {into.ptr(), state};
         PyObject* done = PyObject_Vectorcall(serialize_.ptr(), args, 2, nullptr);
         if (!done) throw nb::python_error();
@@ -139,27 +140,34 @@ std::vector<Member> members_of(const World& w, const std::vector<Asked>& all, co
                                const std::vector<bool>& reverse, const std::vector<std::vector<double>>& regions) {
     if (sizes.size() != all.size() || ways.size() != all.size() || radii.size() != all.size() ||
         reverse.size() != all.size())
-        fail("robots: sizes, ways, radii or reverse of another length");
-    if (!regions.empty() && regions.size() != all.size()) fail("regions: of another length");
+        fail("sizes, ways, radii, reverse: got another length, expected one entry per robot");
+    if (!regions.empty() && regions.size() != all.size())
+        fail("regions: got " + std::to_string(regions.size()) + ", expected one per robot");
     std::vector<Member> out;
     const auto lock = reading(w);
     for (size_t i = 0; i < all.size(); ++i) {
         const BodyId id = robot_of(w, all[i], "robots");
         const Model model = w.body(id).robot;
-        if (ways[i] < 0 || ways[i] > 3 || !(radii[i] > 0)) fail("ways, radii: expected 0 to 3, meters over 0");
+        if (ways[i] < 0 || ways[i] > 3 || !(radii[i] > 0))
+            fail("ways, radii: got " + std::to_string(ways[i]) + ", " + number(radii[i]) +
+                 ", expected 0 to 3, and meters above 0");
         const bool free = model && model->joints[0].kind == JointKind::free;
         const bool fits =
             model ? sizes[i] == model->nq() || (free && sizes[i] == model->nq() - 3) : sizes[i] == 3 || sizes[i] == 7;
         if (!fits)
-            fail("robots: '" + w.body(id).name + "' with states of " + std::to_string(sizes[i]) +
-                 " numbers, expected " + (model ? std::to_string(model->nq()) : std::string("3 (SE2) or 7 (SE3)")));
+            fail("sizes: got " + std::to_string(sizes[i]) + " for '" + w.body(id).name + "', expected " +
+                 (model ? std::to_string(model->nq()) : std::string("3 (SE2) or 7 (SE3)")));
         const bool planar = model && model->joints[0].kind == JointKind::planar;
-        if (ways[i] != 0 && !planar) fail("ways: '" + w.body(id).name + "' has no planar base, and goes straight");
+        if (ways[i] != 0 && !planar)
+            fail("ways: got " + std::to_string(ways[i]) + " for '" + w.body(id).name +
+                 "' without a planar base, expected 0 (straight)");
         for (const Member& m : out)
-            if (m.id == id) fail("robots: '" + w.body(id).name + "' is named twice");
+            if (m.id == id) fail("robots: got '" + w.body(id).name + "' twice, expected distinct robots");
         out.push_back({id, model, sizes[i], {static_cast<SteeringMethod>(ways[i]), radii[i], reverse[i]}});
         if (regions.empty()) continue;
-        if (regions[i].size() != 4) fail("regions: expected least x, y, greatest x, y of each");
+        if (regions[i].size() != 4)
+            fail("regions: got " + std::to_string(regions[i].size()) +
+                 " numbers, expected 4: minimum x, y, maximum x, y");
         for (int k = 0; k < 4; ++k) out.back().room[k / 2][k % 2] = regions[i][k];
     }
     return out;
@@ -170,17 +178,17 @@ void make_checker(BoundChecker* self, nb::object world, nb::handle robots, const
                   double margin, double tolerance, double resolution, const std::vector<std::vector<double>>& regions) {
     const World& w = nb::cast<const World&>(world);
     MotionSettings s;
-    if (!(margin >= 0) || std::isinf(margin)) fail("margin: " + number(margin) + ", expected meters, 0 or more");
+    if (!(margin >= 0) || std::isinf(margin)) fail("margin: got " + number(margin) + ", expected at least 0 meters");
     if (!(tolerance > 0) || std::isinf(tolerance))
-        fail("tolerance: " + number(tolerance) + ", expected meters, over 0");
+        fail("tolerance: got " + number(tolerance) + ", expected meters above 0");
     if (!(resolution >= 0) || std::isinf(resolution))
-        fail("resolution: " + number(resolution) + ", expected meters, over 0");
+        fail("resolution: got " + number(resolution) + ", expected meters above 0");
     s.certify.margin = margin;
     s.certify.tolerance = tolerance;
     s.resolution = resolution;
     const AskedBodies all = asked_bodies(robots, "robots");
     std::vector<Member> members = members_of(w, all.items, sizes, ways, radii, reverse, regions);
-    if (members.empty()) fail("robots: none, expected one at least");
+    if (members.empty()) fail("robots: got none, expected at least one");
     new (self) BoundChecker(std::move(world), std::move(members), s);
 }
 
@@ -194,14 +202,14 @@ States states(nb::handle value, int32_t n, const char* name) {
     States out{doubles(value, name), {}};
     const Dims& dims = out.array.dims;
     if (dims.empty() || dims.back() != n)
-        fail(std::string(name) + ": shape " + to_string(dims) + ", expected (..., " + std::to_string(n) + ")");
+        fail(std::string(name) + ": got shape " + to_string(dims) + ", expected (..., " + std::to_string(n) + ")");
     out.dims.assign(dims.begin(), dims.end() - 1);
     return out;
 }
 
-constexpr int64_t pause = 16;  // rows between two looks for Ctrl-C
+constexpr int64_t pause = 16;  // rows between checks for Ctrl-C
 
-// One answer a row, as an array, or plain for one row.
+// One result per row as an array, or a scalar for a single row.
 template <class T, class F>
 nb::object answers(const BoundChecker& b, const Broadcast& shape, const F& ask) {
     Output<T> out = make_output<T>(shape.dims);
@@ -236,10 +244,13 @@ nb::object free_all(BoundChecker& b, nb::handle q0, nb::handle q1) {
 
 nb::object legs_of(const Robot& robot, nb::handle q0, nb::handle q1, int way, double radius, bool reverse) {
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
-    if (!from.dims.empty() || !to.dims.empty()) fail("q0, q1: expected one configuration each");
-    if (way < 0 || way > 3 || !(radius > 0)) fail("way, radius: expected 0 to 3, meters over 0");
+    if (!from.dims.empty() || !to.dims.empty())
+        fail("q0, q1: got arrays of configurations, expected one configuration each");
+    if (way < 0 || way > 3 || !(radius > 0))
+        fail("way, radius: got " + std::to_string(way) + ", " + number(radius) +
+             ", expected 0 to 3, and meters above 0");
     if (way != 0 && robot.joints[0].kind != JointKind::planar)
-        fail("way: the robot has no planar base, and goes straight");
+        fail("way: got " + std::to_string(way) + " for a robot without a planar base, expected 0 (straight)");
     std::vector<double> rows;
     legs(robot, {static_cast<SteeringMethod>(way), radius, reverse}, from.row(0), to.row(0), rows);
     return copy_out(rows.data(), {static_cast<int64_t>(rows.size()) / robot.nq()}, {robot.nq()});

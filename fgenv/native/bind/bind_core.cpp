@@ -2,10 +2,10 @@
 #include "query/kernels.h"
 
 NB_MODULE(_core, m) {
-    m.doc() = "fgenv's native core. Use fgenv.collision, which documents what is here.";
-    // A script that ends with shapes in global variables has done nothing wrong.
+    m.doc() = "fgenv's native core. Use fgenv.collision, which documents its functions.";
+    // Shapes in global variables at the end of a script are not leaks.
     nanobind::set_leak_warnings(false);
-    fgenv::kernels();  // a bad FGENV_ISA is told at import
+    fgenv::kernels();  // reports an invalid FGENV_ISA at import
     m.def("isa", &fgenv::kernels_name, "Name of the instruction set whose kernels are in use.");
     fgenv::bind_shape(m);
     fgenv::bind_queries(m);

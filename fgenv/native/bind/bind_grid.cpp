@@ -14,7 +14,7 @@ using namespace nb::literals;
 int64_t cell_of(nb::handle value, const char* name, const Grid& grid) {
     const Array<int64_t> at = indices(value, name);
     if (at.dims != Dims{3})
-        fail(std::string(name) + ": shape " + to_string(at.dims) + ", expected (3,): layer, row, column");
+        fail(std::string(name) + ": got shape " + to_string(at.dims) + ", expected (3,): layer, row, column");
     const int64_t dims[] = {grid.layers, grid.rows, grid.columns};
     int64_t cell = 0;
     for (int k = 0; k < 3; ++k) {
@@ -30,7 +30,7 @@ int64_t cell_of(nb::handle value, const char* name, const Grid& grid) {
 Grid grid_of(nb::handle costs) {
     const Array<int64_t> a = indices(costs, "costs");
     if (a.dims.size() != 3 || (a.dims[0] != 1 && a.dims[0] != n_headings))
-        fail("costs: shape " + to_string(a.dims) + ", expected (1 or 8, rows, columns)");
+        fail("costs: got shape " + to_string(a.dims) + ", expected (1 or 8, rows, columns)");
     Grid grid{a.dims[0], a.dims[1], a.dims[2], {}};
     for (size_t i = 0; i < a.view.size(); ++i) {
         const int64_t cost = a.data()[i];

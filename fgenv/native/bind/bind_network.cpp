@@ -21,7 +21,7 @@ constexpr int64_t chunk = 16;      // rows
 std::vector<double> finite(const Array<double>& a, const std::string& name) {
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) +
+            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + ": got " + number(a.data()[i]) +
                  ", expected a finite number");
     return {a.data(), a.data() + a.view.size()};
 }
@@ -37,9 +37,9 @@ Activation activation_of(const std::string& name) {
 Layer layer_of(nb::handle weights, nb::handle offsets, const std::string& activation, const std::string& name) {
     const Array<double> w = doubles(weights, "weights"), b = doubles(offsets, "offsets");
     if (w.dims.size() != 2 || w.dims[0] < 1 || w.dims[1] < 1 || w.dims[0] > most || w.dims[1] > most)
-        fail(name + ": weights of shape " + to_string(w.dims) + ", expected (inputs, outputs)");
+        fail(name + ": got weights of shape " + to_string(w.dims) + ", expected (inputs, outputs)");
     if (b.dims != Dims{w.dims[1]})
-        fail(name + ": offsets of shape " + to_string(b.dims) + ", expected " + to_string({w.dims[1]}));
+        fail(name + ": got offsets of shape " + to_string(b.dims) + ", expected " + to_string({w.dims[1]}));
     return {w.dims[0], w.dims[1], finite(w, name + ": weights"), finite(b, name + ": offsets"),
             activation_of(activation)};
 }
@@ -63,7 +63,7 @@ void make_network(Network* self, nb::sequence layers) {
 nb::object run(const Network& network, nb::handle rows, nb::handle threads) {
     const Array<double> x = doubles(rows, "rows");
     if (x.dims.empty() || x.dims.back() != network.inputs())
-        fail("rows: shape " + to_string(x.dims) + ", expected (..., " + std::to_string(network.inputs()) + ")");
+        fail("rows: got shape " + to_string(x.dims) + ", expected (..., " + std::to_string(network.inputs()) + ")");
     const int n_threads = threads_of(threads);
     finite(x, "rows");
     const Dims dims = rows_of(x);

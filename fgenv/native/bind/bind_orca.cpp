@@ -17,10 +17,11 @@ constexpr int64_t chunk = 16;  // discs
 Array<double> array_of(nb::handle value, const char* name, const Dims& expected) {
     Array<double> a = doubles(value, name);
     if (a.dims != expected)
-        fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected " + to_string(expected));
+        fail(std::string(name) + ": got shape " + to_string(a.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail(std::string(name) + index_text(a.dims, static_cast<int64_t>(i)) + " is not finite, expected a number");
+            fail(std::string(name) + index_text(a.dims, static_cast<int64_t>(i)) + ": got " + number(a.data()[i]) +
+                 ", expected a finite number");
     return a;
 }
 
@@ -42,11 +43,12 @@ struct OrcaArguments {
 OrcaArguments arguments_of(nb::handle discs, nb::handle preferred, nb::handle speeds, nb::handle points, double horizon,
                            double point_horizon, double dt, double range) {
     const Dims dims = doubles(discs, "discs").dims;
-    if (dims.size() != 3 || dims[2] != 6) fail("discs: shape " + to_string(dims) + ", expected (worlds, discs, 6)");
+    if (dims.size() != 3 || dims[2] != 6) fail("discs: got shape " + to_string(dims) + ", expected (worlds, discs, 6)");
     const int64_t worlds = dims[0], n = dims[1];
     Array<double> p = doubles(points, "points");
     if (p.dims.size() != 4 || p.dims[0] != worlds || p.dims[1] != n || p.dims[3] != 2)
-        fail("points: shape " + to_string(p.dims) + ", expected (worlds, discs, points, 2), NaN for missing points");
+        fail("points: got shape " + to_string(p.dims) +
+             ", expected (worlds, discs, points, 2), NaN for missing points");
     return {array_of(discs, "discs", dims),
             array_of(preferred, "preferred", {worlds, n, 2}),
             array_of(speeds, "speeds", {worlds, n}),

@@ -33,7 +33,7 @@ std::vector<Vec3> vectors(nb::handle value, const char* name, int64_t n) {
 
 double positive(double value, const char* name) {
     if (!(value > 0 && value <= farthest))
-        fail(std::string(name) + ": got " + number(value) + ", expected more than 0, at most " + number(farthest));
+        fail(std::string(name) + ": got " + number(value) + ", expected above 0 and at most " + number(farthest));
     return value;
 }
 
@@ -44,7 +44,7 @@ std::shared_ptr<const NormalMaps> maps_of(nb::handle value, const Shape& shape) 
     const int64_t faces = static_cast<int64_t>(shape.mesh.faces.size());
     if (array.dims != Dims{faces, 3, 4})
         fail("maps: got shape " + to_string(array.dims) + ", expected " + to_string({faces, 3, 4}) +
-             ", a matrix a face");
+             ", one matrix per face");
     auto maps = std::make_shared<NormalMaps>(faces);
     for (int64_t i = 0; i < faces; ++i)
         for (int k = 0; k < 12; ++k) (*maps)[i][k] = static_cast<float>(array.data()[12 * i + k]);
@@ -58,7 +58,7 @@ struct Painter {
 Lighting light_of(nb::handle sun, double strength, nb::handle ambient, nb::handle sky) {
     const std::vector<Vec3> to = vectors(sun, "sun", 1), around = vectors(ambient, "ambient", 2),
                             seen = vectors(sky, "sky", 2);
-    if (to[0] == Vec3{0, 0, 0}) fail("sun: got a direction of length 0, expected another");
+    if (to[0] == Vec3{0, 0, 0}) fail("sun: got length 0, expected a direction");
     if (!std::isfinite(strength)) fail("strength: got " + number(strength) + ", expected a finite number");
     return {unit(to[0]), strength, around[0], around[1], seen[0], seen[1]};
 }
@@ -83,7 +83,8 @@ void make_painter(Painter* self, const std::vector<std::shared_ptr<Shape>>& shap
         if (which[i] < 0 || which[i] >= static_cast<int64_t>(shapes.size()))
             fail("which: got " + std::to_string(which[i]) + ", expected the index of a shape");
         if (!(opacities[i] > 0 && opacities[i] <= 1))
-            fail("opacities[" + std::to_string(i) + "]: got " + number(opacities[i]) + ", expected over 0, at most 1");
+            fail("opacities[" + std::to_string(i) + "]: got " + number(opacities[i]) +
+                 ", expected above 0 and at most 1");
         painter.scene.bodies.push_back({shapes[which[i]], read[which[i]], color[i], opacities[i]});
     }
     new (self) Painter(std::move(painter));
@@ -121,7 +122,7 @@ Camera camera_of(nb::handle eye, nb::handle axes, double pixels_per_slope, int64
     const std::vector<Vec3> rows = vectors(axes, "axes", 3);
     if (width < 1 || height < 1 || width > most_pixels || height > most_pixels || width * height > most_pixels)
         fail("width, height: got " + std::to_string(width) + ", " + std::to_string(height) +
-             ", expected 1 or more, and at most " + std::to_string(most_pixels) + " pixels");
+             ", expected at least 1, and at most " + std::to_string(most_pixels) + " pixels");
     const Vec3 from = vectors(eye, "eye", 1)[0];
     if (!(norm(from) <= farthest)) fail("eye: got a point over 1e12 m from the origin, expected a nearer one");
     return {from,
@@ -151,10 +152,8 @@ nb::object paint(const Painter& self, nb::handle places, nb::handle eye, nb::han
     std::optional<Output<double>> depth;
     if (with_depth) depth = make_output<double>({height, width});
     double* depths = depth ? depth->data : nullptr;
-    parallel_for(
-        picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.look(a, b, depths); }, chunk);
-    parallel_for(
-        picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.finish(a, b, out.data); }, chunk);
+    parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.look(a, b, depths); }, chunk);
+    parallel_for(picture.tiles(), n_threads, [&](int64_t a, int64_t b) { picture.finish(a, b, out.data); }, chunk);
     return nb::make_tuple(out.array, depth ? nb::cast(depth->array) : nb::none());
 }
 

@@ -14,7 +14,8 @@ using namespace nb::literals;
 const Shape& shape_of(nb::handle value, const char* name) {
     Shape* shape = nullptr;
     if (!nb::try_cast(value, shape, false) || !shape)
-        throw nb::type_error((std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a Shape").c_str());
+        throw nb::type_error(
+            (std::string(name) + ": got " + Py_TYPE(value.ptr())->tp_name + ", expected a Shape").c_str());
     return *shape;
 }
 
@@ -62,7 +63,8 @@ nb::object contact_point(nb::handle A, nb::handle Ta, nb::handle B, nb::handle T
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
     if (!ta.single() || !tb.single())
-        throw nb::value_error("Ta, Tb: contact_point takes one pose each, shape (4, 4); use collide for arrays");
+        throw nb::value_error(
+            "Ta, Tb: got arrays of poses, expected one pose each, shape (4, 4); use collide for arrays");
     const ContactInfo c = contact_of(a, ta[0], b, tb[0], false);
     if (!c.hit) return nb::none();
     nb::object edge = nb::none();
@@ -105,7 +107,7 @@ nb::object nearest_points(nb::handle A, nb::handle Ta, nb::handle B, nb::handle 
 
 nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle threads) {
     if (!s.mesh.watertight)
-        throw nb::value_error("contains: the mesh is not watertight, it has no inside; close its borders");
+        throw nb::value_error("contains: got a mesh that is not watertight, expected a closed mesh; close its borders");
     const Array<double> p = points(points_, "points");
     const Poses t = poses(T, "T");
     const Broadcast shape = broadcast({{"points", rows_of(p)}, {"T", t.dims}});
@@ -127,7 +129,8 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
                    nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
     const Poses t = poses(T, "T");
-    if (!(max_distance >= 0)) throw nb::value_error("max_distance: expected meters, 0 or more");
+    if (!(max_distance >= 0))
+        throw nb::value_error(("max_distance: got " + number(max_distance) + ", expected at least 0 meters").c_str());
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
     for (const Rigid& item : t.all()) inverses.push_back(inverse(item));

@@ -13,13 +13,13 @@ namespace {
 
 using namespace nb::literals;
 
-constexpr double greatest_position = 1e12;  // meters, as of poses
-constexpr double greatest_joint = 1e5;      // radians that sin_cos takes; meters
-constexpr size_t most_links = 1000;         // motions go from link to link by calls
+constexpr double greatest_position = 1e12;  // meters, as for poses
+constexpr double greatest_joint = 1e5;      // limit of sin_cos in radians; or meters
+constexpr size_t most_links = 1000;         // motions recurse from link to link
 
 [[noreturn]] void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
-// The nearest rotation, as far as that matters: a chain of joints must not grow or shear.
+// A rotation close to the given matrix: scale and shear must not accumulate along a chain of joints.
 Rigid orthonormal(Rigid m) {
     Vec3 x = unit({m.r[0][0], m.r[1][0], m.r[2][0]}), y{m.r[0][1], m.r[1][1], m.r[2][1]};
     y = unit(y - dot(x, y) * x);
@@ -32,7 +32,7 @@ Rigid orthonormal(Rigid m) {
     return m;
 }
 
-// The Python face has checked what is said here; what would be out of bounds is checked again.
+// The Python interface has checked the arguments; only bounds are checked again.
 void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<int>& parents, nb::handle origins,
                 nb::handle axes, const std::vector<int>& firsts, const std::vector<double>& multipliers,
                 const std::vector<double>& offsets, std::vector<std::string> names) {
@@ -41,30 +41,30 @@ void make_robot(Robot* self, const std::vector<int>& kinds, const std::vector<in
     const size_t n = kinds.size();
     if (n == 0 || place.size() != n || axis.view.size() != 3 * n || parents.size() != n || firsts.size() != n ||
         multipliers.size() != n || offsets.size() != n)
-        fail("joints: lists of different lengths, expected one entry a joint, and a base");
-    if (n > most_links) fail("links: " + std::to_string(n) + ", expected at most " + std::to_string(most_links));
+        fail("joints: got lists of different lengths, expected one entry for the base and per joint");
+    if (n > most_links) fail("links: got " + std::to_string(n) + ", expected at most " + std::to_string(most_links));
     Robot robot;
     robot.coordinates.assign(names.size(), Coordinate::linear);
     robot.most.assign(names.size(), greatest_joint);
     for (size_t i = 0; i < n; ++i) {
         Joint joint;
-        if (kinds[i] < 0 || kinds[i] > 5) fail("kinds: expected 0 to 5");
+        if (kinds[i] < 0 || kinds[i] > 5) fail("kinds: got " + std::to_string(kinds[i]) + ", expected 0 to 5");
         joint.kind = static_cast<JointKind>(kinds[i]);
         joint.parent = parents[i];
         joint.first = firsts[i];
         const bool base = joint.parent < 0,
                    base_kind = joint.kind == JointKind::planar || joint.kind == JointKind::free;
         if (base != (i == 0) || joint.parent >= static_cast<int>(i) || (base_kind && !base))
-            fail("parents: expected a base, then joints with their parents before them");
+            fail("parents: got another order, expected the base first, and parents before their children");
         if (joint.first < 0 || joint.first + size(joint.kind) > static_cast<int>(names.size()))
-            fail("firsts: a coordinate that is not there");
+            fail("firsts: got an index out of range, expected the index of a coordinate");
         joint.origin = orthonormal(place[i]);
         const double* a = axis.data() + 3 * i;
         joint.axis = a[0] == 0 && a[1] == 0 && a[2] == 0 ? Vec3{0, 0, 1} : direction_of(a);
         joint.multiplier = multipliers[i];
         joint.offset = offsets[i];
         if (!(std::fabs(joint.multiplier) <= greatest_joint && std::fabs(joint.offset) <= greatest_joint))
-            fail("multipliers, offsets: expected numbers of at most " + number(greatest_joint));
+            fail("multipliers, offsets: got numbers out of range, expected at most " + number(greatest_joint));
         if (joint.kind == JointKind::continuous) robot.coordinates[joint.first] = Coordinate::angle;
         if (base_kind) {
             for (int k = 0; k < 3; ++k) robot.most[joint.first + k] = greatest_position;
@@ -97,7 +97,7 @@ nb::object forward_all(const Robot& robot, nb::handle q, nb::handle threads) {
     return nb::cast(out.array);
 }
 
-// Two configurations and a fraction of the way, broadcast.
+// Two configurations and a fraction of the motion, broadcast.
 struct Way {
     Configurations from, to;
     Array<double> t;
@@ -112,8 +112,8 @@ Way way_of(const Robot& robot, nb::handle q0, nb::handle q1, nb::handle t) {
     Way out{configurations(robot, q0, "q0"), configurations(robot, q1, "q1"), doubles(t, "t"), {}};
     for (size_t i = 0; i < out.t.view.size(); ++i)
         if (!(out.t.data()[i] >= 0 && out.t.data()[i] <= 1))
-            fail(std::string("t") + index_text(out.t.dims, static_cast<int64_t>(i)) + " is " + number(out.t.data()[i]) +
-                 ", expected a fraction from 0 to 1");
+            fail(std::string("t") + index_text(out.t.dims, static_cast<int64_t>(i)) + ": got " +
+                 number(out.t.data()[i]) + ", expected a fraction from 0 to 1");
     out.shape = broadcast({{"q0", out.from.dims}, {"q1", out.to.dims}, {"t", out.t.dims}});
     return out;
 }
@@ -137,7 +137,7 @@ nb::object displacement_bounds(const Robot& robot, nb::handle q0, nb::handle q1,
     const Configurations from = configurations(robot, q0, "q0"), to = configurations(robot, q1, "q1");
     const Array<double> w = doubles(weights, "weights");
     if (w.dims != Dims{robot.nq()})
-        fail("weights: shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
+        fail("weights: got shape " + to_string(w.dims) + ", expected (" + std::to_string(robot.nq()) + ",)");
     const Broadcast shape = broadcast({{"q0", from.dims}, {"q1", to.dims}});
     if (shape.dims.empty()) return nb::cast(displacement_bound(robot, w.data(), from.row(0), to.row(0)));
     Output<double> out = make_output<double>(shape.dims);
@@ -152,11 +152,13 @@ nb::tuple link_motion(const Robot& robot, int32_t link, nb::handle q0, nb::handl
                       double begin, double rate, nb::handle threads) {
     const Way way = way_of(robot, q0, q1, t);
     const int n_threads = threads_of(threads);
-    if (link < 0 || link >= robot.n_links()) fail("link: no link " + std::to_string(link));
-    if (!(begin >= 0 && rate >= 0 && begin + rate <= 1)) fail("begin, rate: expected a part of the motion");
+    if (link < 0 || link >= robot.n_links())
+        fail("link: got " + std::to_string(link) + ", expected 0 to " + std::to_string(robot.n_links() - 1));
+    if (!(begin >= 0 && rate >= 0 && begin + rate <= 1))
+        fail("begin, rate: got " + number(begin) + ", " + number(rate) + ", expected fractions inside [0, 1]");
     Poses held;
     if (!offset.is_none()) held = poses(offset, "offset");
-    if (!held.single()) fail("offset: " + to_string(held.dims) + " poses, expected one, shape (4, 4)");
+    if (!held.single()) fail("offset: got " + to_string(held.dims) + " poses, expected one, shape (4, 4)");
     const Rigid fixed = offset.is_none() ? identity() : held[0];
     const Rigid* on_link = offset.is_none() ? nullptr : &fixed;
     const Dims& dims = way.shape.dims;
@@ -185,8 +187,8 @@ nb::tuple sin_cos_all(nb::handle angles) {
     Output<double> s = make_output<double>(x.dims), c = make_output<double>(x.dims);
     for (size_t i = 0; i < x.view.size(); ++i) {
         if (!(std::fabs(x.data()[i]) <= greatest_joint))
-            fail(std::string("angles") + index_text(x.dims, static_cast<int64_t>(i)) + " is " + number(x.data()[i]) +
-                 ", expected radians, at most " + number(greatest_joint));
+            fail(std::string("angles") + index_text(x.dims, static_cast<int64_t>(i)) + ": got " + number(x.data()[i]) +
+                 ", expected radians of at most " + number(greatest_joint));
         sin_cos(x.data()[i], s.data[i], c.data[i]);
     }
     return nb::make_tuple(s.array, c.array);

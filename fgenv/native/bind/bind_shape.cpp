@@ -25,26 +25,26 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
     const Array<double> v = points(vertices, "vertices");
     const Array<int64_t> f = indices(faces, "faces");
     const auto fail = [](const std::string& text) { throw nb::value_error(text.c_str()); };
-    if (v.dims.size() != 2) fail("vertices: shape " + to_string(v.dims) + ", expected (n, 3)");
-    if (f.dims.size() == 1 && f.dims[0] == 0) fail("faces: the mesh has no faces, expected at least one");
+    if (v.dims.size() != 2) fail("vertices: got shape " + to_string(v.dims) + ", expected (n, 3)");
+    if (f.dims.size() == 1 && f.dims[0] == 0) fail("faces: got no faces, expected at least one");
     if (f.dims.size() != 2 || f.dims[1] != 3)
-        fail("faces: shape " + to_string(f.dims) + ", expected (m, 3), triangles");
-    if (f.dims[0] == 0) fail("faces: the mesh has no faces, expected at least one");
+        fail("faces: got shape " + to_string(f.dims) + ", expected triangles (m, 3)");
+    if (f.dims[0] == 0) fail("faces: got no faces, expected at least one");
     const int64_t n = v.dims[0];
     if (n > (int64_t{1} << 28) || f.dims[0] > (int64_t{1} << 28))
-        fail("faces: more than 2^28 vertices or faces, split the mesh");
+        fail("faces: got more than 2^28 vertices or faces, expected fewer; split the mesh");
     std::vector<Vec3> points(n);
     for (int64_t i = 0; i < n; ++i) points[i] = {v.data()[3 * i], v.data()[3 * i + 1], v.data()[3 * i + 2]};
     for (int64_t i = 0; i < 3 * n; ++i)
         if (std::fabs(v.data()[i]) > 1e9)
-            fail("vertices[" + std::to_string(i / 3) + "]: a coordinate over 1e9 m, expected meters");
+            fail("vertices[" + std::to_string(i / 3) + "]: got a coordinate over 1e9 m, expected meters");
     std::vector<Face> triangles(f.dims[0]);
     for (size_t i = 0; i < triangles.size(); ++i)
         for (int k = 0; k < 3; ++k) {
             const int64_t index = f.data()[3 * i + k];
             if (index < 0 || index >= n)
-                fail("faces[" + std::to_string(i) + "]: vertex " + std::to_string(index) + " of a mesh with " +
-                     std::to_string(n) + " vertices");
+                fail("faces[" + std::to_string(i) + "]: got vertex " + std::to_string(index) +
+                     ", expected an index into " + std::to_string(n) + " vertices");
             triangles[i][k] = static_cast<int32_t>(index);
         }
     nb::gil_scoped_release released;
@@ -52,7 +52,7 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
 }
 
 void require_faces(const Mesh& mesh) {
-    if (mesh.faces.empty()) throw nb::value_error("faces: every face has zero area, expected a surface");
+    if (mesh.faces.empty()) throw nb::value_error("faces: got only faces of zero area, expected a surface");
 }
 
 nb::object rows3(const std::vector<Vec3>& v) {
@@ -60,7 +60,7 @@ nb::object rows3(const std::vector<Vec3>& v) {
     return copy_out(reinterpret_cast<const double*>(v.data()), {static_cast<int64_t>(v.size())}, {3});
 }
 
-struct Graph {  // the feature graph on its own, with the vertices it needs
+struct Graph {  // a feature graph and its vertices
     FeatureGraph graph;
     std::vector<Vec3> points;
 };
@@ -89,7 +89,8 @@ nb::object packed_adjacency(const Graph& g) {
     const int64_t bits = n * (n - 1) / 2;
     if (bits > (int64_t{1} << 33))
         throw nb::value_error(
-            ("adjacency: " + std::to_string(n) + " feature points make a matrix over 1 GiB; use edges").c_str());
+            ("adjacency: got " + std::to_string(n) + " feature points, expected a matrix of at most 1 GiB; use edges")
+                .c_str());
     Output<uint8_t> out = make_output<uint8_t>({(bits + 7) / 8});
     for (const auto& e : g.graph.edges) {
         const int64_t i = std::min(e[0], e[1]), j = std::max(e[0], e[1]);

@@ -47,11 +47,11 @@ Array<double> actions_of(const Simulator& sim, nb::handle value, const char* nam
     const Array<double> a = doubles(value, name);
     const Dims expected{sim.n_worlds(), sim.n_robots(), sim.action_size()};
     if (a.dims != expected)
-        fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected " + to_string(expected) +
+        fail(std::string(name) + ": got shape " + to_string(a.dims) + ", expected " + to_string(expected) +
              ", (worlds, robots, action)");
     for (size_t i = 0; i < a.view.size(); ++i)
         if (!std::isfinite(a.data()[i]))
-            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + " is " + number(a.data()[i]) +
+            fail(name + index_text(a.dims, static_cast<int64_t>(i)) + ": got " + number(a.data()[i]) +
                  ", expected a number in [-1, 1]");
     return a;
 }
@@ -69,7 +69,7 @@ nb::object reset(Simulator& sim, nb::handle worlds, nb::handle seeds, nb::handle
     if (!seeds.is_none()) {
         const Array<int64_t> a = indices(seeds, "seeds");
         if (a.dims != Dims{static_cast<int64_t>(which.size())})
-            fail("seeds: shape " + to_string(a.dims) + ", expected one per world");
+            fail("seeds: got shape " + to_string(a.dims) + ", expected one per world");
         seed.assign(a.data(), a.data() + which.size());
     }
     Output<float> out = make_rows(sim, which.size());
@@ -154,10 +154,10 @@ nb::object actions_toward(const Simulator& sim, nb::handle targets) {
     const Array<double> t = doubles(targets, "targets");
     const int64_t nq = most_coordinates(sim), n = sim.n_robots(), width = most_actions(sim);
     const Dims expected{sim.n_worlds(), n, nq};
-    if (t.dims != expected) fail("targets: shape " + to_string(t.dims) + ", expected " + to_string(expected));
+    if (t.dims != expected) fail("targets: got shape " + to_string(t.dims) + ", expected " + to_string(expected));
     for (size_t i = 0; i < t.view.size(); ++i)
         if (!(std::fabs(t.data()[i]) <= 1e5))
-            fail("targets" + index_text(t.dims, static_cast<int64_t>(i)) + " is " + number(t.data()[i]) +
+            fail("targets" + index_text(t.dims, static_cast<int64_t>(i)) + ": got " + number(t.data()[i]) +
                  ", expected a number in [-1e5, 1e5]");
     Output<double> out = make_output<double>(per_robot(sim), {width});
     for (int32_t e = 0; e < sim.n_worlds(); ++e)
@@ -219,7 +219,7 @@ void bind_simulator(nb::module_& m) {
          [](Simulator* self, const World& like, const std::vector<RobotSpec>& robots, const nb::dict& settings,
             int32_t worlds, const std::vector<BodyId>& bodies, nb::handle poses,
             const std::vector<Footprint>& footprints) {
-             if (robots.empty() || worlds < 1) fail("robots, worlds: expected at least one of each");
+             if (robots.empty() || worlds < 1) fail("robots, worlds: got none, expected at least one of each");
              new (self)
                  Simulator(like, robots, simulator_settings(settings), worlds, case_bodies(bodies, poses), footprints);
          },

@@ -13,7 +13,7 @@ using namespace nb::literals;
 std::vector<std::vector<double>> rows_of(nb::handle value, const char* name, int32_t width) {
     const Array<double> a = doubles(value, name);
     if (a.dims.size() != 2 || a.dims[1] != width)
-        fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (n, " + std::to_string(width) + ")");
+        fail(std::string(name) + ": got shape " + to_string(a.dims) + ", expected (n, " + std::to_string(width) + ")");
     std::vector<std::vector<double>> out;
     for (int64_t i = 0; i < a.dims[0]; ++i) out.emplace_back(a.data() + i * width, a.data() + (i + 1) * width);
     return out;
@@ -22,7 +22,7 @@ std::vector<std::vector<double>> rows_of(nb::handle value, const char* name, int
 std::vector<double> vector_of(nb::handle value, const char* name, int64_t n) {
     const Array<double> a = doubles(value, name);
     if (a.dims != Dims{n})
-        fail(std::string(name) + ": shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
+        fail(std::string(name) + ": got shape " + to_string(a.dims) + ", expected (" + std::to_string(n) + ",)");
     return {a.data(), a.data() + n};
 }
 

@@ -33,7 +33,7 @@ BodyId add_robot(World& w, const Robot& robot, nb::handle q, const nb::list& par
                  const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
                  const std::string& default_name, nb::handle groups) {
     const Configurations c = configurations(robot, q, "q");
-    if (!c.dims.empty()) fail("q: " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
+    if (!c.dims.empty()) fail("q: got " + to_string(c.dims) + " configurations, expected one, shape (nq,)");
     std::vector<RobotPart> bodies;
     for (nb::handle p : parts)
         bodies.push_back({nb::cast<std::string>(p[0]), nb::cast<int32_t>(p[1]), nb::cast<std::shared_ptr<Shape>>(p[2]),
@@ -56,9 +56,9 @@ BodyId remove(World& w, nb::handle body) {
 void set_configuration(World& w, nb::handle robot, nb::handle q) {
     const Asked a = asked(robot, "robot");
     const Model model = model_of(w, a);
-    if (!model) fail("robot: '" + a.text() + "' is a body; set_pose places it");
+    if (!model) fail("robot: got body '" + a.text() + "', expected a robot; use set_pose");
     const Places p = places(model, q, "q");
-    if (!p.single()) fail("q: " + to_string(p.dims()) + " configurations, expected one, shape (nq,)");
+    if (!p.single()) fail("q: got " + to_string(p.dims()) + " configurations, expected one, shape (nq,)");
     const auto lock = writing(w);
     w.set_configuration(mover_of(w, a, model), p[0].q);
 }
@@ -67,7 +67,7 @@ nb::object configuration(const World& w, nb::handle robot) {
     const Asked a = asked(robot, "robot");
     const auto lock = reading(w);
     const Body& b = w.body(robot_of(w, a));
-    if (!b.robot) fail("robot: '" + b.name + "' is a body; poses tells where it is");
+    if (!b.robot) fail("robot: got body '" + b.name + "', expected a robot; use poses");
     return copy_out(b.q.data(), {static_cast<int64_t>(b.q.size())});
 }
 
@@ -86,7 +86,9 @@ void set_pose(World& w, nb::handle ids, nb::handle poses_) {
     for (BodyId id : bodies) root_of(w, id, "ids");
     const Dims expected = all.one ? Dims{} : Dims{static_cast<int64_t>(bodies.size())};
     const Broadcast shape = broadcast({{"ids", expected}, {"poses", p.dims}});
-    if (shape.dims != expected) fail("poses: " + to_string(p.dims) + " poses for ids " + to_string(expected));
+    if (shape.dims != expected)
+        fail("poses: got " + to_string(p.dims) + " poses for ids " + to_string(expected) +
+             ", expected one pose, or one per id");
     std::vector<Rigid> each;
     for (size_t i = 0; i < bodies.size(); ++i) each.push_back(p[shape.offset(1, static_cast<int64_t>(i))]);
     w.set_poses(bodies, each);
@@ -114,7 +116,7 @@ nb::object set_path(World& w, nb::handle robot, nb::handle poses_) {
     const Model model = model_of(w, a);
     const Places p = places(model, poses_, "poses");
     if (p.dims().size() != 1 || p.dims()[0] == 0)
-        fail("poses: " + to_string(p.dims()) + " way points, expected (K" + p.row() + " with K at least 1");
+        fail("poses: got " + to_string(p.dims()) + " way points, expected (K" + p.row() + " with K at least 1");
     const auto lock = writing(w);
     return id_array(w.set_path(mover_of(w, a, model), p.all()));
 }
@@ -124,7 +126,7 @@ nb::object candidates(const World& w, nb::handle robot) {
     const auto lock = reading(w);
     const BodyId id = robot_of(w, a);
     const Path* p = w.path(id);
-    if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
+    if (!p) fail("robot: got '" + w.body(id).name + "' without a path, expected one with a path; use set_path");
     return id_array(p->candidates);
 }
 
@@ -133,7 +135,7 @@ nb::object motion_boxes(const World& w, nb::handle robot) {
     const auto lock = reading(w);
     const BodyId id = robot_of(w, a);
     const Path* p = w.path(id);
-    if (!p) fail("robot: '" + w.body(id).name + "' has no path; set_path gives it one");
+    if (!p) fail("robot: got '" + w.body(id).name + "' without a path, expected one with a path; use set_path");
     return copy_out(reinterpret_cast<const double*>(p->legs.data()), {static_cast<int64_t>(p->legs.size())}, {2, 3});
 }
 
@@ -147,7 +149,7 @@ Masks masks_of(const std::string& name) {
     if (name == "path") return Masks::path;
     if (name == "published") return Masks::published;
     if (name == "off") return Masks::off;
-    fail("masks: '" + name + "' is unknown, expected path, published or off");
+    fail("masks: got '" + name + "', expected path, published or off");
 }
 
 }  // namespace

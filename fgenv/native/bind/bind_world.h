@@ -1,7 +1,7 @@
-// What the bindings of a world share: its lock, and arguments that name bodies and places.
+// Shared parts of the world's bindings: its lock, and arguments for bodies and places.
 //
-// Every call locks the world: queries share the lock, changes have it alone. Nobody waits for the lock
-// while holding the interpreter, so that whoever has it may call back into Python.
+// Every call locks the world: shared for queries, exclusive for changes. A thread that waits for the lock
+// releases the interpreter, so that the thread that holds the lock may call back into Python.
 #pragma once
 
 #include <nanobind/stl/pair.h>
@@ -30,11 +30,11 @@ static inline auto writing(const World& w) { return locked<std::unique_lock<Fair
 
 [[noreturn]] static inline void fail(const std::string& text) { throw nb::value_error(text.c_str()); }
 
-// A body as asked for, by id or by name; read before the world is locked, since reading may run Python code.
+// An argument for a body, by id or by name. Read before the world is locked, since reading may run Python code.
 struct Asked {
     bool by_name;
     BodyId id = -1;
-    std::string words;  // the name, or what is no id
+    std::string words;  // the name, or the text of an invalid id
 
     std::string text() const { return by_name || id < 0 ? words : std::to_string(id); }
 };
@@ -52,9 +52,9 @@ struct AskedBodies {
 };
 AskedBodies asked_bodies(nb::handle value, const char* name);
 
-using Model = std::shared_ptr<const Robot>;  // null: a body that is no robot
+using Model = std::shared_ptr<const Robot>;  // null for a body that is not a robot
 
-// Places as they come: poses (..., 4, 4) of a body, configurations (..., nq) of a robot.
+// An argument for places: poses (..., 4, 4) of a body, or configurations (..., nq) of a robot.
 struct Places {
     Model model;
     Poses poses;
@@ -76,9 +76,9 @@ struct Places {
 };
 
 Places places(const Model& model, nb::handle value, const char* name);
-// Of the mover, asked before its places are read, which are checked without the lock.
+// Model of the mover. Read before its places, which are checked without the lock.
 Model model_of(const World& w, const Asked& asked, const char* name = "robot");
-// The mover, whose model that was.
+// The mover; raises if its model has changed since.
 BodyId mover_of(const World& w, const Asked& asked, const Model& model, const char* name = "robot");
 
 Rigid pose_of(nb::handle value, const char* name);
@@ -88,7 +88,7 @@ Trajectory trajectory_of(const Model& model, nb::handle times, nb::handle poses)
 nb::object id_array(const std::vector<BodyId>& ids);
 nb::object pose_out(const std::vector<Rigid>& poses, const Dims& dims);
 nb::object places_out(const std::vector<Place>& places, const Model& model);
-// Bits of the movers whose motion box the body meets, its own among them.
+// Bits of the movers with a motion box that the body overlaps, including its own.
 nb::int_ mask_of(const World& w, const Body& body);
 
 void bind_world_queries(nb::class_<World>& c);

@@ -16,7 +16,7 @@ Asked asked(nb::handle value, const char* name) {
     if (!index.is_valid()) {
         PyErr_Clear();
         throw nb::type_error(
-            (std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected a body's id or name").c_str());
+            (std::string(name) + ": got " + Py_TYPE(value.ptr())->tp_name + ", expected a body's id or name").c_str());
     }
     int overflow = 0;
     const long long id = PyLong_AsLongLongAndOverflow(index.ptr(), &overflow);
@@ -28,15 +28,15 @@ BodyId body_of(const World& w, const Asked& asked, const char* name) {
     const BodyId id = asked.by_name ? w.id_of(asked.words) : asked.id;
     if (w.find(id)) return id;
     if (asked.by_name)
-        fail(std::string(name) + ": no body is named '" + asked.text() + "'; world.names tells which are");
-    fail(std::string(name) + ": no body " + asked.text() + " in this world; world.ids tells which are");
+        fail(std::string(name) + ": got '" + asked.text() + "', expected the name of a body; world.names lists them");
+    fail(std::string(name) + ": got " + asked.text() + ", expected the id of a body; world.ids lists them");
 }
 
 BodyId root_of(const World& w, BodyId id, const char* name) {
     const Body& b = w.body(id);
     if (b.carrier >= 0)
-        fail(std::string(name) + ": '" + b.name + "' is carried by '" + w.body(b.carrier).name + "'; ask for '" +
-             w.body(b.root).name + "', or detach it first");
+        fail(std::string(name) + ": got '" + b.name + "', carried by '" + w.body(b.carrier).name +
+             "', expected a root; use '" + w.body(b.root).name + "', or detach the body first");
     return id;
 }
 
@@ -56,7 +56,8 @@ AskedBodies asked_bodies(nb::handle value, const char* name) {
     if (nb::isinstance<nb::str>(value) || PyIndex_Check(value.ptr())) return {{asked(value, name)}, true};
     if (!nb::hasattr(value, "__iter__"))
         throw nb::type_error(
-            (std::string(name) + ": " + Py_TYPE(value.ptr())->tp_name + ", expected ids or names of bodies").c_str());
+            (std::string(name) + ": got " + Py_TYPE(value.ptr())->tp_name + ", expected ids or names of bodies")
+                .c_str());
     AskedBodies out{{}, false};
     for (nb::handle item : value) out.items.push_back(asked(item, name));
     return out;
@@ -64,7 +65,7 @@ AskedBodies asked_bodies(nb::handle value, const char* name) {
 
 Rigid pose_of(nb::handle value, const char* name) {
     const Poses p = poses(value, name);
-    if (!p.single()) fail(std::string(name) + ": " + to_string(p.dims) + " poses, expected one, shape (4, 4)");
+    if (!p.single()) fail(std::string(name) + ": got " + to_string(p.dims) + " poses, expected one, shape (4, 4)");
     return p[0];
 }
 
@@ -103,14 +104,17 @@ Model model_of(const World& w, const Asked& asked, const char* name) {
 
 BodyId mover_of(const World& w, const Asked& asked, const Model& model, const char* name) {
     const BodyId id = robot_of(w, asked, name);
-    if (w.body(id).robot != model) fail(std::string(name) + ": '" + asked.text() + "' was replaced by another thread");
+    if (w.body(id).robot != model)
+        fail(std::string(name) + ": got '" + asked.text() +
+             "', replaced by another thread, expected the same body during the call");
     return id;
 }
 
 Array<double> times_of(nb::handle value, const char* name) {
     Array<double> t = doubles(value, name);
     for (size_t i = 0; i < t.view.size(); ++i)
-        if (!std::isfinite(t.data()[i])) fail(std::string(name) + ": not finite, expected seconds");
+        if (!std::isfinite(t.data()[i]))
+            fail(std::string(name) + ": got " + number(t.data()[i]) + ", expected finite seconds");
     return t;
 }
 
@@ -119,11 +123,12 @@ Trajectory trajectory_of(const Model& model, nb::handle times, nb::handle poses)
     const Array<double> at = times_of(times, "times");
     const Places p = places(model, poses, "poses");
     if (at.dims.size() != 1 || at.dims[0] < 1 || p.dims() != at.dims)
-        fail("times " + to_string(at.dims) + " and poses " + to_string(p.dims()) + ": expected (k,) and (k" + p.row() +
-             ", k at least 1");
+        fail("times, poses: got " + to_string(at.dims) + " and " + to_string(p.dims()) + ", expected (k,) and (k" +
+             p.row() + ", k at least 1");
     t.times.assign(at.data(), at.data() + at.dims[0]);
     for (size_t i = 1; i < t.times.size(); ++i)
-        if (!(t.times[i] > t.times[i - 1])) fail("times[" + std::to_string(i) + "]: not after the one before");
+        if (!(t.times[i] > t.times[i - 1]))
+            fail("times[" + std::to_string(i) + "]: got a time not after the previous one, expected ascending times");
     t.places = p.all();
     return t;
 }

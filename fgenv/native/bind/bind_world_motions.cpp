@@ -12,12 +12,13 @@ using namespace nb::literals;
 double resolution_of(nb::handle mode, nb::handle value) {
     std::string text;
     if (!nb::try_cast(mode, text) || (text != "continuous" && text != "discrete"))
-        fail(std::string("mode: ") + nb::repr(mode).c_str() + " is unknown, expected continuous or discrete");
+        fail(std::string("mode: got ") + nb::repr(mode).c_str() + ", expected continuous or discrete");
     if ((text == "discrete") == value.is_none())
-        fail("resolution: expected meters with mode='discrete', and only then");
+        fail(std::string("resolution: got ") + nb::repr(value).c_str() +
+             ", expected meters with mode='discrete', else None");
     double meters = 0;
     if (!value.is_none() && (!nb::try_cast(value, meters) || !(meters > 0) || std::isinf(meters)))
-        fail(std::string("resolution: ") + nb::repr(value).c_str() + ", expected meters, over 0");
+        fail(std::string("resolution: got ") + nb::repr(value).c_str() + ", expected meters above 0");
     return meters;
 }
 
@@ -26,13 +27,16 @@ MotionSettings settings_of(double margin, double tolerance, double resolution, b
     MotionSettings s;
     s.certify.margin = meters_of(margin, "margin");
     s.certify.tolerance = meters_of(tolerance, "tolerance");
-    if (!(tolerance > 0)) fail("tolerance: expected meters, over 0");
+    if (!(tolerance > 0)) fail("tolerance: got " + number(tolerance) + ", expected meters above 0");
     s.resolution = resolution;
     s.certify.first = first;
-    if (start_time.is_none() != end_time.is_none()) fail("start_time, end_time: expected both (seconds), or neither");
+    if (start_time.is_none() != end_time.is_none())
+        fail("start_time, end_time: got one of them, expected both (seconds) or neither");
     if (!start_time.is_none() && (!nb::try_cast(start_time, s.from) || !nb::try_cast(end_time, s.to) ||
                                   !std::isfinite(s.from) || !std::isfinite(s.to) || s.to < s.from))
-        fail("start_time, end_time: expected finite seconds, end_time not before start_time");
+        fail(
+            "start_time, end_time: got an invalid interval, expected finite seconds with end_time not before "
+            "start_time");
     return s;
 }
 
@@ -99,7 +103,7 @@ nb::object motions_collide(const World& w, nb::handle a, nb::handle start_a, nb:
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId one = mover_of(w, first, model_a, "a"), other = mover_of(w, second, model_b, "b");
-    if (one == other) fail("a, b: the same robot, expected two");
+    if (one == other) fail("a, b: got the same robot twice, expected two robots");
     const auto ask = [&](int64_t i) {
         return w.motions_collide(one, from_a[shape.offset(0, i)], to_a[shape.offset(1, i)], other,
                                  from_b[shape.offset(2, i)], to_b[shape.offset(3, i)], s);
@@ -112,7 +116,7 @@ nb::object motions_collide(const World& w, nb::handle a, nb::handle start_a, nb:
     return nb::cast(out.array);
 }
 
-// Of movers that are asked together: all bodies, or robots with the same coordinates.
+// Common model of several movers: all bodies, or robots with the same coordinates.
 std::vector<Model> models_of(const World& w, const AskedBodies& all, const char* name) {
     const auto lock = reading(w);
     std::vector<Model> out;
@@ -120,8 +124,8 @@ std::vector<Model> models_of(const World& w, const AskedBodies& all, const char*
         out.push_back(w.body(robot_of(w, a, name)).robot);
         const Model &first = out[0], &last = out.back();
         if (!first != !last || (first && (first->coordinates != last->coordinates || first->most != last->most)))
-            fail(std::string(name) + ": '" + a.text() + "' has other coordinates than '" + all.items[0].text() +
-                 "', expected bodies alone, or robots of one kind");
+            fail(std::string(name) + ": got '" + a.text() + "' and '" + all.items[0].text() +
+                 "' with different coordinates, expected only bodies, or robots with the same coordinates");
     }
     return out;
 }
@@ -129,10 +133,10 @@ std::vector<Model> models_of(const World& w, const AskedBodies& all, const char*
 void refuse_twice(std::vector<BodyId> ids) {
     std::sort(ids.begin(), ids.end());
     const auto twice = std::adjacent_find(ids.begin(), ids.end());
-    if (twice != ids.end()) fail("robots: body " + std::to_string(*twice) + " is named twice");
+    if (twice != ids.end()) fail("robots: got body " + std::to_string(*twice) + " twice, expected distinct robots");
 }
 
-// Of many movers, found with the interpreter free.
+// Motions of several movers, computed without the interpreter's lock.
 template <class F>
 nb::tuple outcomes_of(F find) {
     std::vector<MotionOutcome> found;
@@ -157,7 +161,7 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle start, nb:
     const Dims expected{static_cast<int64_t>(ids.size())};
     const Broadcast shape = broadcast({{"robots", expected}, {"start", from.dims()}, {"end", to.dims()}});
     if (all.one || shape.dims != expected)
-        fail(std::string("robots, start, end: expected (n,), ") +
+        fail(std::string("robots, start, end: got other shapes, expected (n,), ") +
              (model ? "(n, nq), (n, nq)" : "(n, 4, 4), (n, 4, 4)"));
     refuse_twice(ids);
     std::vector<Place> starts, ends;
@@ -180,7 +184,7 @@ nb::tuple advance(World& w, nb::handle robots, nb::handle end, double margin, do
     for (size_t i = 0; i < all.items.size(); ++i) ids.push_back(mover_of(w, all.items[i], models[i], "robots"));
     refuse_twice(ids);
     if (all.one || ends.dims() != Dims{static_cast<int64_t>(ids.size())})
-        fail(std::string("robots, end: expected (n,) and (n") + ends.row());
+        fail(std::string("robots, end: got other shapes, expected (n,) and (n") + ends.row());
     const std::vector<Place> there = ends.all();
     return outcomes_of([&] { return w.advance(ids, there, s); });
 }

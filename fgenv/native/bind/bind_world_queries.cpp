@@ -89,7 +89,7 @@ nb::object contact_pairs(const World& w, double margin, nb::handle threads) {
 nb::object raycast(const World& w, nb::handle origins, nb::handle directions, double max_distance, nb::handle ignored,
                    nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
-    if (!(max_distance >= 0)) fail("max_distance: expected meters, 0 or more");
+    if (!(max_distance >= 0)) fail("max_distance: got " + number(max_distance) + ", expected at least 0 meters");
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}});
     const int n = threads_of(threads);
     Output<double> distance = make_output<double>(shape.dims);

@@ -1,4 +1,4 @@
-// Python class of a world: records, and all of it at once for a pickle.
+// Python class of a world: records, and its state for pickling.
 #include "bind/bind_world.h"
 
 namespace fgenv {
@@ -6,7 +6,7 @@ namespace {
 
 using namespace nb::literals;
 
-// All of a body that a record or a pickle needs.
+// Data of a body for a record or a pickle.
 nb::dict record_of(const World& w, const Body& b) {
     nb::dict out;
     out["id"] = b.id;
@@ -63,7 +63,7 @@ nb::list names(const World& w) {
     return out;
 }
 
-// Of each id its body's name, root and link; of an id that is not in this world None, -1, 0.
+// Name, root and link of each id's body; None, -1, 0 for an unknown id.
 nb::list labels(const World& w, const std::vector<int64_t>& ids) {
     const auto lock = reading(w);
     nb::list out;
@@ -74,7 +74,7 @@ nb::list labels(const World& w, const std::vector<int64_t>& ids) {
     return out;
 }
 
-// All of a world, of one moment.
+// State of a world at one moment.
 nb::dict state(const World& w) {
     const auto lock = reading(w);
     nb::list bodies, allowed_groups;
@@ -88,7 +88,7 @@ nb::dict state(const World& w) {
     return out;
 }
 
-// Fills a new world with what `state` told; `robots`: the models of bodies that are robots, by id.
+// Fills a new world with the result of `state`. `robots`: models of the bodies that are robots, by id.
 void restore(World& w, const nb::dict& state, const nb::dict& robots) {
     const nb::list bodies(state["bodies"]);
     const auto id_of = [](nb::handle b) { return nb::cast<BodyId>(b["id"]); };

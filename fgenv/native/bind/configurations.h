@@ -1,4 +1,4 @@
-// Configurations of a robot as they come from NumPy, checked.
+// Checked configurations of a robot from NumPy.
 #pragma once
 
 #include "bind/arrays.h"
@@ -14,7 +14,7 @@ struct Configurations {
     const double* row(int64_t i) const { return array.data() + i * nq; }
 };
 
-// Finite, not beyond what sines take, quaternions of length 1 to a thousandth.
+// Checks that values are finite and within the limit of sin_cos, and that quaternions have length 1 to 0.001.
 Configurations configurations(const Robot& robot, nb::handle value, const char* name);
 
 }  // namespace fgenv

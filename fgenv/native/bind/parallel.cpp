@@ -33,10 +33,10 @@ int thread_count(int threads) {
         const long n = std::strtol(text, &end, 10);
         if (*end || n < 1 || n > 4096)
             throw nb::value_error(
-                ("FGENV_THREADS=" + std::string(text) + ": expected a number of threads, 1 to 4096").c_str());
+                ("FGENV_THREADS: got " + std::string(text) + ", expected a number of threads from 1 to 4096").c_str());
         return static_cast<int>(n);
     }
-    static const unsigned cores = std::thread::hardware_concurrency();  // reads a file each time
+    static const unsigned cores = std::thread::hardware_concurrency();  // cached: each call reads a file
     return cores ? static_cast<int>(cores) : 1;
 }
 
@@ -71,7 +71,7 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t, int6
         try {
             for (int i = 0; i < workers; ++i) team.emplace_back(work, false);
         } catch (const std::system_error&) {
-            // No more threads to be had: those that began do the work.
+            // No further threads are available: the started ones do the work.
         }
         work(true);
         for (std::thread& t : team) t.join();

@@ -1,4 +1,4 @@
-// What advancing two bodies shares, be it by planes between them or by pairs of faces.
+// Shared parts of conservative advancement, by separating planes and by pairs of faces.
 #pragma once
 
 #include "motion/certify.h"

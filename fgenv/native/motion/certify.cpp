@@ -10,16 +10,16 @@
 namespace fgenv {
 namespace {
 
-constexpr int max_steps = 3000;     // of one pair of faces
-constexpr int some_pairs = 256;     // of faces, and
-constexpr int some_boxes = 128;     // pairs of boxes opened: where there are more, half the time is tried,
-constexpr int max_halvings = 5;     // up to so many times; then
-constexpr int all_pairs = 1 << 16;  // are looked at
-constexpr int few_pairs = 4;        // are taken one by one, without halving their time
-constexpr int max_splits = 10;      // or more of them after so many times
-constexpr int box_planes = 4;       // between their boxes,
-constexpr int max_planes = 256;     // between two bodies, one after the other, and
-constexpr size_t most_pairs = 256;  // of their shells
+constexpr int max_steps = 3000;     // advancement steps per pair of faces
+constexpr int some_pairs = 256;     // above this number of pairs of faces
+constexpr int some_boxes = 128;     // or opened pairs of boxes, the time is halved
+constexpr int max_halvings = 5;     // maximum number of halvings
+constexpr int all_pairs = 1 << 16;  // capacity after the last halving
+constexpr int few_pairs = 4;        // up to this number, pairs are advanced one by one
+constexpr int max_splits = 10;      // after this number of splits too
+constexpr int box_planes = 4;       // planes tried between the bodies' boxes
+constexpr int max_planes = 256;     // successive planes between two bodies
+constexpr size_t most_pairs = 256;  // pairs of shells
 
 Sweep sweep_of(const Moving& a, const Moving& b, const Instant& now, double half, double margin) {
     const auto side = [&](const Velocity& u, const Acceleration& acc) {
@@ -50,7 +50,7 @@ public:
           contact_(contact),
           speed_(greater(s.speed, a.motion->speed(a.shape->radius) + b.motion->speed(b.shape->radius))) {}
 
-    // What presses on from near contact, as robots do that have stopped at one, is told at once.
+    // Motions that push on from near contact, as of robots stopped at a contact, are resolved at once.
     void begin(double lo, double hi) {
         const double soon = lo + 0.5 * bracket(speed_);
         if (soon < lesser(hi, contact_.free_until) && collides(soon))
@@ -59,7 +59,7 @@ public:
             run(lo, hi, 0);
     }
 
-    // In the order of time, so that each stretch begins where all before it is proved free.
+    // Stretches in chronological order: each begins where everything before is proved free.
     void run(double lo, double hi, int halvings) {
         hi = lesser(hi, contact_.free_until);
         if (lo >= hi || done()) return;
@@ -86,7 +86,7 @@ public:
 private:
     bool done() const { return contact_.found && !settings_.first; }
 
-    // Leaves in pairs_ the pairs of faces that may meet from lo to hi; capacity + 1 if there are more.
+    // Stores in pairs_ the pairs of faces that may touch from lo to hi; returns capacity + 1 if there are more.
     int look(const Instant& now, double lo, double hi, int capacity, int budget_of_boxes) {
         if (static_cast<int>(pairs_.size()) < capacity) pairs_.resize(capacity);
         Sweep sweep = sweep_of(a_, b_, now, 0.5 * (hi - lo), settings_.margin);
@@ -94,8 +94,8 @@ private:
         return kernels().sweep(*a_.shape, *b_.shape, sweep, pairs_.data(), capacity);
     }
 
-    // Some of pairs_ from lo to hi, all at once: what is not sure to stay apart is tried again in either
-    // half, the last few one by one. What comes after them in pairs_ is room to work in.
+    // Tests pairs_[begin, begin + count) from lo to hi. Pairs without a proof of separation are tested again in each
+    // half, the last few one by one. Later entries of pairs_ are scratch space.
     void settle(int begin, int count, const Instant& now, double lo, double hi, int splits) {
         hi = lesser(hi, contact_.free_until);
         if (count == 0 || lo >= hi || done()) return;
@@ -135,8 +135,8 @@ private:
         return m;
     }
 
-    // Until when planes part the bodies, one after the other: cheap, and enough for most that come near each
-    // other, even if they touch in the end. Where none parts them as wholes, each shell from each shell.
+    // Time until which successive planes separate the bodies: cheap, and sufficient for most close pairs, even if
+    // they touch in the end. If no plane separates the whole bodies, tests each pair of shells.
     double part(double lo, double hi) {
         const Shape &a = *a_.shape, &b = *b_.shape;
         lo = part(hull_of_box(a), hull_of_box(b), lo, hi, box_planes);
@@ -176,7 +176,7 @@ private:
         return lo;
     }
 
-    // What part of the time a point takes for the tolerance.
+    // Time in which a point at this speed moves by the tolerance.
     double bracket(double speed) const { return settings_.tolerance / greater(speed, 1e-300); }
 
     void advance(FacePair pair, double lo, double hi) {
@@ -190,11 +190,11 @@ private:
             if (after > 0.25 * within) continue;
             const double shown = lesser(t + 0.5 * within, 1);
             if (faces.meet(shown)) return find(t, shown);
-            // Another pair that shares the corner may have shown it already.
+            // Another pair with the same corner may already have a contact.
             if (contact_.found && contact_.shown <= t + within) return find(t, contact_.shown);
             if (after == 0) break;
         }
-        // These two only touch, as some do around a corner that runs into an edge: others may show it.
+        // These faces only touch, as neighbors of a corner that hits an edge do; another pair may show the contact.
         for (double part : {0.5, 1.0}) {
             const double shown = lesser(t + part * within, 1);
             if (collides(shown)) return find(t, shown);
@@ -205,8 +205,8 @@ private:
     void find(double free_until, double shown) { contact_ = {free_until, shown, true}; }
     void give_up(double free_until) { find(free_until, std::numeric_limits<double>::quiet_NaN()); }
 
-    // A contact with no contact shortly before it, between a free t and a colliding one: so near to where
-    // it begins that few faces are left to be looked at up to there.
+    // Bisects between a free and a colliding t for a contact near its beginning, so that few faces remain to be
+    // tested before it.
     double first_shown(double free, double shown) const {
         for (int i = 0; i < 10; ++i) {
             const double middle = 0.5 * (free + shown);
@@ -222,7 +222,7 @@ private:
     const Moving &a_, &b_;
     const CertifySettings& settings_;
     MotionContact& contact_;
-    double speed_;  // of any point of one against any of the other, at most, and what `settings_` says
+    double speed_;  // bound on the relative speed of any two points, at least the settings' speed
     std::vector<FacePair> pairs_;
 };
 

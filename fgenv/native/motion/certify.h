@@ -1,4 +1,4 @@
-// Certified motion of a pair of bodies: proved free, or the first contact between two fractions.
+// Certified motion of a pair of bodies: proved free, or a first contact bracketed by two fractions.
 #pragma once
 
 #include "motion/rigid_motion.h"
@@ -11,18 +11,18 @@ struct Moving {
 };
 
 struct CertifySettings {
-    double margin = 0;        // meters: nearer than this is contact
-    double tolerance = 1e-6;  // meters that any point moves between the two fractions of a contact
-    double speed = 0;         // at least that of any point of the mover or movers, also beyond these two bodies
-    bool first = true;        // false: any contact will do
+    double margin = 0;        // meters; a smaller distance counts as contact
+    double tolerance = 1e-6;  // meters; bound on any point's motion between the two fractions of a contact
+    double speed = 0;         // upper bound over all points of the movers, including their other bodies
+    bool first = true;        // false: report any contact
 };
 
-// Free up to `free_until`; in contact at `shown`, NaN where the search gave up (unresolved).
+// Free up to `free_until`; in contact at `shown`, which is NaN if the search gave up (unresolved).
 struct MotionContact {
     double free_until = 1, shown = 1;
     bool found = false;
 
-    // Whether this one, found after another, is of other faces than that: not that one with less proved free.
+    // Whether this later result is a contact of other faces, rather than the earlier contact with less proved free.
     bool replaces(const MotionContact& before) const {
         return found && (!before.found || (free_until < before.free_until && shown != before.shown));
     }
@@ -31,10 +31,10 @@ struct MotionContact {
 // Conservative advancement (X. Zhang et al., "Interactive continuous collision detection for non-convex
 // polyhedra", 2006; M. Tang et al., "C2A", 2009), in two stages: whole trees against each other at the
 // middle of a stretch of time, swept along their velocities; then each remaining pair of faces on its own.
-// The stretch is halved where many pairs remain.
+// The stretch is halved if many pairs remain.
 //
-// Surfaces only, and free at t = lo: the caller has tested that, containment included. Searches up to
-// t = contact.free_until, and stores an earlier contact there.
+// Tests surfaces only. The caller has tested that the pair is free at t = lo, including containment. Searches
+// up to t = contact.free_until, and stores an earlier contact in `contact`.
 void find_contact(const Moving& a, const Moving& b, double lo, double hi, const CertifySettings& settings,
                   MotionContact& contact);
 

@@ -1,4 +1,4 @@
-// Two faces moving.
+// Conservative advancement of two moving faces.
 #pragma once
 
 #include "motion/advance.h"
@@ -7,7 +7,7 @@
 
 namespace fgenv {
 
-// Triangle are placed relative to b's origin, along the axes of the world.
+// Triangles are relative to b's origin, along the world's axes.
 class FaceAdvance {
 public:
     FaceAdvance(const Moving& a, const Moving& b, FacePair pair, const CertifySettings& s)
@@ -20,13 +20,13 @@ public:
         acceleration_ = at_a.at_origin + at_a.by_radius * radius_a_ + at_b.at_origin + at_b.by_radius * radius_b_;
     }
 
-    // How long the faces stay apart after t, for certain; 0 if that can't be told.
+    // Certified time after t during which the faces stay apart; 0 if none can be certified.
     double stay(double t) {
         place(t);
         const Nearest near = kernels().nearest_faces(xa_.data(), xb_.data());
         double longest = stay_along(unit(near.on_b - near.on_a));
         if (longest > 0) return longest;
-        // So near that rounding turns that direction: those of the faces' own features do not feel the gap.
+        // At small gaps rounding dominates that direction; directions from the faces' features are independent of the gap.
         const auto look_along = [&](Vec3 along) {
             const Vec3 n = unit(along);
             longest = greater(longest, greater(stay_along(n), stay_along(-1.0 * n)));
@@ -38,7 +38,7 @@ public:
         return longest;
     }
 
-    // Whether the faces meet at t, or are nearer than the margin.
+    // Whether the faces overlap at t, or are closer than the margin.
     bool meet(double t) {
         place(t);
         if (settings_.margin > 0 &&
@@ -51,7 +51,7 @@ public:
         return false;
     }
 
-    // What a point of one may move against a point of the other, per unit of time.
+    // Bound on the relative speed of any two points of the faces.
     double speed() const {
         return norm(now_.va.v - now_.vb.v) + norm(now_.va.w) * radius_a_ + norm(now_.vb.w) * radius_b_;
     }
@@ -59,9 +59,9 @@ public:
 private:
     static Vec3 side(const Triangle& face, int k) { return face[(k + 1) % 3] - face[k]; }
 
-    // How long a plane across the unit vector n parts the faces for certain, b on the side it points to.
+    // Certified time during which a plane normal to the unit vector n separates the faces, with b on its positive side.
     double stay_along(Vec3 n) const {
-        double at_a[3], at_b[3], of_a[3], of_b[3];  // corners along n, and how fast
+        double at_a[3], at_b[3], of_a[3], of_b[3];  // heights and speeds of corners along n
         for (int k = 0; k < 3; ++k) {
             at_a[k] = dot(n, xa_[k]) + settings_.margin + slack_;
             at_b[k] = dot(n, xb_[k]);

@@ -1,5 +1,5 @@
-// Pairs of moving faces, four at a time: which are sure to stay apart around a moment, by the plane
-// between their nearest points (conservative advancement, as FaceAdvance in certify.cpp).
+// Certifies which pairs of moving faces stay apart around a moment, four pairs at a time, by the plane
+// between their nearest points (conservative advancement, as FaceAdvance in face_advance.h).
 #include "query/faces4.h"
 #include "query/kernels.h"
 
@@ -12,7 +12,7 @@ FGENV_INLINE D4 root(D4 x) {
     return out;
 }
 
-// The shortest way from f to g, and its squared length.
+// Shortest vector from f to g, and its squared length.
 FGENV_INLINE void shortest_way(const Faces& f, const Faces& g, V4 way) {
     D4 best = splat(HUGE_VAL), s, t;
     for (int i = 0; i < 3; ++i)
@@ -46,7 +46,7 @@ FGENV_INLINE Extremes along(const V4 n, const V4 (&p)[3]) {
     return {min(min(a, b), c), max(max(a, b), c)};
 }
 
-// Displacements along n per unit of time of corners at `arm` from an origin.
+// Velocities along n of corners at `arm` from an origin.
 FGENV_INLINE Extremes rates(const V4 n, const V4 (&arm)[3], Vec3 v, Vec3 w) {
     // n . (v + w x r) = n . v + (n x w) . r
     const V4 turn = {n[1] * w.z - n[2] * w.y, n[2] * w.x - n[0] * w.z, n[0] * w.y - n[1] * w.x};

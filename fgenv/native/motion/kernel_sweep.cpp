@@ -1,4 +1,4 @@
-// Pairs of faces that may come near each other while two shapes move: dual descent with boxes that are swept
+// Finds the pairs of faces that may come close while two shapes move: dual descent with boxes that are swept
 // along their velocities, then faces.
 #include "math/rotation.h"
 #include "motion/swept_faces.h"

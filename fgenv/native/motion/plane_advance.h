@@ -1,4 +1,4 @@
-// Two bodies, or a shell of each, moving, and a plane between them.
+// Conservative advancement of two moving bodies, or one shell of each, by a plane between them.
 #pragma once
 
 #include "motion/advance.h"
@@ -6,12 +6,12 @@
 
 namespace fgenv {
 
-// Points that enclose a body or a shell of it, in the frame of the shape.
+// Points with a hull that encloses a body or one of its shells, in the frame of the shape.
 struct Hull {
     const Vec3* points;
-    const int32_t* which;  // null: the first `count` of them
+    const int32_t* which;  // indices; null for the first `count` points
     int32_t count;
-    double radius;  // of the farthest from the frame's origin
+    double radius;  // of the point farthest from the frame's origin
 };
 
 class PlaneAdvance {
@@ -24,7 +24,7 @@ public:
                         orthonormality * (at_a.by_radius * of_a.radius + at_b.by_radius * of_b.radius);
     }
 
-    // How long after t a plane parts them for certain, at most `longest`; 0 if none is found.
+    // Certified time after t during which a plane separates them, at most `longest`; 0 if none is found.
     double stay(double t, double longest) {
         now_ = instant(a_, b_, t);
         const double as_before = stay_along(longest);
@@ -45,7 +45,7 @@ public:
         return as_before;
     }
 
-    // Meters that they are apart then, at least.
+    // Lower bound on their distance at that time (meters).
     double apart() const { return apart_; }
 
 private:
@@ -63,8 +63,8 @@ private:
         return out;
     }
 
-    // The plane's normal goes from n to n + s (spin x n); what a point of either is at along it, as all go on
-    // at the velocities that they have now, is linear in s but for products of two changes.
+    // The plane's normal changes from n to n + s (spin x n). With constant velocities, the height of a point of
+    // either body along it is linear in s, except for products of two changes.
     struct Turning {
         Vec3 n, change, to_a, to_b, turn_a, turn_b;  // the last four in the frames of a and b
     };
@@ -77,7 +77,7 @@ private:
                 unrotate(now_.a, cross(n, now_.va.w) + change),
                 unrotate(now_.b, cross(n, now_.vb.w) + change)};
     }
-    // What is between them at time s: the least of linear functions, so a concave one.
+    // Gap between them at time s: a minimum of linear functions, hence concave.
     double gap(const Turning& k, double s, Corner& far_a, Corner& far_b) const {
         far_a = farthest(of_a_, k.to_a + s * k.turn_a);
         far_b = farthest(of_b_, -1.0 * (k.to_b + s * k.turn_b));
@@ -85,7 +85,7 @@ private:
                far_a.most - far_b.most;
     }
 
-    // Along a plane that stands, and along planes that turn with either body: sides that lie flush stay so.
+    // Tries a fixed plane and planes that turn with either body: flush sides stay flush.
     double stay_along(double longest) {
         Corner far_a, far_b;
         apart_ = gap(turning({0, 0, 0}), 0, far_a, far_b) - settings_.margin - rounding_slack(now_, radii_);
@@ -100,12 +100,12 @@ private:
     }
 
     double stay_along(const Turning& k, double spin, Vec3 far_a, Vec3 far_b, double longest) const {
-        // Products of changes: of the normal with velocities, and with what bends the points' ways.
+        // Products of changes: the normal's change with velocities and with accelerations.
         const double grown = 1 + spin * longest;
         const double bend = grown * acceleration_ + 2 * spin * relative_speed();
         const double approach = dot(k.n, now_.va.v - now_.vb.v) - dot(k.change, origin(now_.b) - origin(now_.a)) +
                                 dot(k.turn_a, far_a) - dot(k.turn_b, far_b);
-        // The tangent ends beyond the true end, the chord to there before it.
+        // The tangent overestimates the end of the gap, the chord underestimates it.
         const double s = lesser(longest, time_to(apart_, approach, bend));
         Corner a, b;
         const double then =
@@ -113,7 +113,7 @@ private:
         return then > 0 ? s : s * apart_ / (apart_ - then) * (1 - 1e-12);
     }
 
-    // At most, of a point of one against a point of the other.
+    // Bound on the relative speed of any two points.
     double relative_speed() const {
         return norm(now_.va.v - now_.vb.v) +
                orthonormality * (norm(now_.va.w) * of_a_.radius + norm(now_.vb.w) * of_b_.radius);

@@ -5,7 +5,7 @@
 namespace fgenv {
 namespace {
 
-constexpr double piece = 0.25;  // radians turned by a piece of a swept box
+constexpr double piece = 0.25;  // radians of rotation per piece of a swept box
 constexpr int max_pieces = 64;
 constexpr double point_rounding = 1e-14;  // relative to the coordinates: bound on the error of placing a point
 
@@ -66,7 +66,7 @@ Rigid RigidMotion::pose(double t, Velocity& velocity) const {
 }
 
 Box posed_box(const Shape& shape, const Rigid& pose) {
-    // Of the upright and of the oriented box around the shape, on each axis the shorter one.
+    // On each axis, the smaller extent of the upright and the oriented box around the shape.
     const Box& upright = shape.mesh.bounds;
     const Vec3 middle = 0.5 * (upright.lo + upright.hi), half = upright.hi - middle;
     const OrientedBox& fitted = shape.tree.boxes[0];
@@ -93,7 +93,7 @@ Box swept_box(const Shape& shape, const BodyMotion& motion, double lo, double hi
     Box out = empty_box();
     for (int i = 0; i <= pieces; ++i)
         grow(out, posed_box(shape, motion.pose(i == pieces ? hi : lo + i * ((hi - lo) / pieces))));
-    // Between the ends of a piece a point strays from the straight line by at most an eighth of its
+    // Between the ends of a piece, a point deviates from the straight line by at most an eighth of its
     // acceleration times the square of the piece's length.
     const Acceleration a = motion.acceleration();
     const double length = (hi - lo) / pieces;

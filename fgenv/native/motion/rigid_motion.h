@@ -1,4 +1,4 @@
-// Motions of bodies over fractions t in [0, 1], with what certified checks need: pose and velocity at any
+// Motions of bodies over fractions t in [0, 1]. For certified checks they provide pose and velocity at any
 // t, and a bound on the acceleration of any point. World frame, per unit of t.
 #pragma once
 
@@ -12,7 +12,7 @@ struct Velocity {
     Vec3 w;  // angular
 };
 
-// A point at distance d from the body's origin never accelerates by more than at_origin + d * by_radius.
+// Bound on acceleration: at_origin + d * by_radius for a point at distance d from the body's origin.
 struct Acceleration {
     double at_origin = 0, by_radius = 0;
 };
@@ -24,17 +24,17 @@ public:
     virtual Velocity velocity(double t) const = 0;
     virtual Rigid pose(double t, Velocity& velocity) const = 0;
     virtual Acceleration acceleration() const = 0;
-    virtual double turn() const = 0;            // radians: at most this far over [0, 1]
-    virtual double speed(double radius) const;  // at most: of points this far from the body's origin
+    virtual double turn() const = 0;            // radians; upper bound on the rotation over [0, 1]
+    virtual double speed(double radius) const;  // upper bound for points within `radius` of the body's origin
 };
 
-// Position linear, orientation by the shortest arc about the origin of the frame that moves (as OMPL's
-// SE2 and SE3 spaces do), from pose `start` to pose `end`; the body is fixed in that frame at `offset`.
+// Motion of a frame from pose `start` to pose `end`: position linear, orientation along the shortest arc, as in
+// OMPL's SE2 and SE3 spaces. The body is fixed in that frame at `offset`.
 class RigidMotion final : public BodyMotion {
 public:
     RigidMotion() : RigidMotion(identity(), identity()) {}
     RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offset = nullptr);
-    // The same motion as seen by t' with t = begin + rate t'.
+    // The same motion in the parameter t' with t = begin + rate t'.
     RigidMotion retimed(double begin, double rate) const;
 
     Rigid pose(double t) const override;
@@ -45,20 +45,21 @@ public:
     double speed(double radius) const override {
         return rate_ * (norm(shift_) + angle_ * (norm(origin(offset_)) + radius));
     }
-    Rigid frame(double t) const;  // of what moves, without the offset
+    Rigid frame(double t) const;  // pose of the moving frame, without the offset
 
 private:
     Rigid start_;
-    double end_[3];  // position; turned all the way is start's rotation turned, never quite end's
+    double
+        end_[3];  // position; the end's rotation is computed from the start's and equals the given one up to rounding
     Rigid offset_;
     bool has_offset_;
-    Vec3 shift_, turn_;  // whole displacement of the origin, rotation vector
+    Vec3 shift_, turn_;  // total displacement of the origin, total rotation vector
     double angle_;
     double begin_ = 0, rate_ = 1;
     Acceleration acceleration_;
 };
 
-// World-aligned box of a shape at a pose, and of a shape all along a motion from t = lo to hi.
+// World-aligned box of a shape at a pose, and of a shape during a motion from t = lo to hi.
 Box posed_box(const Shape& shape, const Rigid& pose);
 Box swept_box(const Shape& shape, const BodyMotion& motion, double lo, double hi);
 

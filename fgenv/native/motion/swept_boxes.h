@@ -1,6 +1,6 @@
-// Oriented boxes of two moving shapes against each other, one against eight: separating axes in floats with
-// slack, for all times between half a stretch before the middle and half a stretch after it. Nothing is
-// fused: the result must not depend on the instruction set, since the brackets of contacts depend on it.
+// Tests oriented boxes of two moving shapes, one box against eight: separating axes in floats with slack, for
+// all times between half a stretch before the middle and half a stretch after it. No fused operations: the
+// result must not depend on the instruction set, since the brackets of contacts depend on it.
 #pragma once
 
 #include "query/box_culling.h"
@@ -26,7 +26,7 @@ FGENV_INLINE SideMotion side_motion(const Sweep::Side& s, Vec3 v, Vec3 w, Vec3 o
             static_cast<float>(s.by_radius) * 1.0001f};
 }
 
-// The motion of both shapes, seen from one of them, which gives the origin.
+// The motion of both shapes, in the frame of one of them.
 struct SweptView {
     const PairFrame& frame;  // places the other shape
     SideMotion own, other;
@@ -38,7 +38,7 @@ struct Drift {
     float e;     // bound on the deviation of any point of the box from u
 };
 
-// At least the length of a vector, at most 1.16 times it.
+// Upper bound on the length of a vector, at most 1.16 times the length.
 FGENV_INLINE float length_bound(float x, float y, float z) {
     const float a = std::fabs(x), b = std::fabs(y), c = std::fabs(z);
     const float most = a > b ? (a > c ? a : c) : (b > c ? b : c);
@@ -64,19 +64,19 @@ FGENV_INLINE F8 length_bound(F8 x, F8 y, F8 z) {
     return splat(0.5f) * (x + y + z + max(max(x, y), z));
 }
 
-// The part of d across u, of any length; a direction to try, so that rounding does no harm.
+// The component of d perpendicular to u, not normalized. Only a candidate direction: rounding is harmless.
 FGENV_INLINE void across(const F8 (&d)[3], const F8 (&u)[3], F8 (&w)[3]) {
     const F8 uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2], du = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
     const F8 share = uu > splat(1e-30f) ? du / uu : F8{};
     for (int i = 0; i < 3; ++i) w[i] = d[i] - share * u[i];
 }
 
-// Eight boxes of a node against a box of the other shape: offsets, extents, and how they move.
+// Eight boxes of a node relative to a box of the other shape: offsets, extents and displacements.
 struct SweptBoxes {
-    F8 d[3], u[3];  // center less the other's center; displacement less the other's, in half the time
+    F8 d[3], u[3];  // center and displacement in half the time, relative to the other's
     F8 h[3], axis[3][3];
-    F8 e;                     // what points of both may stray from that
-    F8 r[3][3], abs_r[3][3];  // own axis . axis of the other
+    F8 e;                     // bound on the deviation of points of both
+    F8 r[3][3], abs_r[3][3];  // dot products of own axes and the other's axes
 };
 
 FGENV_INLINE void load_swept_boxes(const Oriented& n, const PosedBox& box, const SweptView& view, SweptBoxes& s) {
@@ -102,7 +102,7 @@ FGENV_INLINE void load_swept_boxes(const Oriented& n, const PosedBox& box, const
 
 FGENV_INLINE F8 dot(const F8 (&a)[3], F8 x, F8 y, F8 z) { return a[0] * x + a[1] * y + a[2] * z; }
 
-// Along the axes of the other box; leaves `r` for the other tests.
+// Tests the axes of the other box; stores `r` for the other tests.
 FGENV_INLINE I8 overlap_on_axes_of_box(SweptBoxes& s, const PosedBox& box) {
     I8 overlap = s.h[0] >= splat(0.0f);
     for (int j = 0; j < 3; ++j) {
@@ -118,7 +118,7 @@ FGENV_INLINE I8 overlap_on_axes_of_box(SweptBoxes& s, const PosedBox& box) {
     return overlap;
 }
 
-// Boxes that pass by are separated across their motion: along the centers' offset, less its part along u.
+// Boxes that pass by are separated perpendicular to their motion: along the centers' offset without its part along u.
 FGENV_INLINE I8 overlap_across_motion(const SweptBoxes& s, const PosedBox& box) {
     F8 w[3];
     across(s.d, s.u, w);
@@ -129,7 +129,7 @@ FGENV_INLINE I8 overlap_across_motion(const SweptBoxes& s, const PosedBox& box) 
     return abs(dot(s.d, w[0], w[1], w[2])) <= reach + abs(dot(s.u, w[0], w[1], w[2]));
 }
 
-// Along the boxes' own axes; `along_d` and `along_u` are d and u in those axes.
+// Tests the boxes' own axes; `along_d` and `along_u` are d and u in those axes.
 FGENV_INLINE I8 overlap_on_own_axes(const SweptBoxes& s, const PosedBox& box, F8 (&along_d)[3], F8 (&along_u)[3]) {
     I8 overlap = I8{} == 0;
     for (int i = 0; i < 3; ++i) {
@@ -159,8 +159,8 @@ FGENV_INLINE I8 overlap_on_products(const SweptBoxes& s, const PosedBox& box, co
     return overlap;
 }
 
-// The boxes of a node that may meet `box` within the half time before and after: along a separating axis at
-// the middle the gap must exceed what both may move. As `overlapping` for boxes at rest.
+// Selects the boxes of a node that may touch `box` within half the time before or after the middle: along a
+// separating axis at the middle the gap must exceed the motion of both. As `overlapping` for boxes at rest.
 FGENV_INLINE uint32_t overlapping(const Oriented& n, const PosedBox& box, const SweptView& view) {
     SweptBoxes s;
     load_swept_boxes(n, box, view, s);

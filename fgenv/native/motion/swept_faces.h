@@ -1,5 +1,5 @@
-// Faces of two leaves that may meet while both move, one against eight, after the leaves' boxes; see
-// swept_boxes.h.
+// Finds the faces of two leaves that may touch while both move, one against eight, after the test of the
+// leaves' boxes in swept_boxes.h.
 #pragma once
 
 #include "motion/swept_boxes.h"
@@ -7,7 +7,7 @@
 
 namespace fgenv {
 
-// Displacements of the corners of eight faces, less what the other leaf's center does.
+// Displacements of the corners of eight faces, relative to the other leaf's center.
 FGENV_INLINE void corner_drifts(const FacesF& f, const SideMotion& s, const float center[3], const float less[3],
                                 F8 (&u)[3][3]) {
     for (int k = 0; k < 3; ++k) {
@@ -45,7 +45,7 @@ struct SweptLeaves {
     FacesF a, b;
     F8 ua[3][3], ub[3][3];  // displacements of corners in half the time
     Local local;
-    float pad;  // bound on what else the corners move, margin and rounding
+    float pad;  // bound on further motion of the corners, with margin and rounding
 };
 
 FGENV_INLINE void load_swept_leaves(const Rigid& pose, const SweptView& view, const Leaf& la, const Leaf& lb,
@@ -64,7 +64,7 @@ FGENV_INLINE void load_swept_leaves(const Rigid& pose, const SweptView& view, co
     const float far[3] = {la.center[0] + shift[0], la.center[1] + shift[1], la.center[2] + shift[2]};
     const Drift of_a = drift(view.own, la.center[0], la.center[1], la.center[2], radius_a);
     const Drift of_b = drift(view.other, far[0], far[1], far[2], radius_b);
-    // Every corner has its own displacement here, so that only acceleration and rounding are left.
+    // Every corner has its own displacement here, so only acceleration and rounding remain.
     s.pad = (of_a.e - view.own.turn * radius_a) + (of_b.e - view.other.turn * radius_b) + view.pad + 2 * s.local.slack +
             2 * float_share * (view.own.turn * radius_a + view.other.turn * radius_b);
     corner_drifts(s.a, view.own, la.center, of_b.u, s.ua);
@@ -124,7 +124,7 @@ FGENV_INLINE I8 face_crosses_planes(const SweptLeaves& s, int i) {
     return crossing_plane(side, rise, lift, normal * splat(s.pad) + volume * s.b.scale);
 }
 
-// Across the relative motion of the faces' centers, as for boxes.
+// Perpendicular to the relative motion of the faces' centers, as for boxes.
 FGENV_INLINE I8 overlap_across_motion(const SweptLeaves& s, int i) {
     F8 d[3], u[3], w[3];
     for (int x = 0; x < 3; ++x) {
@@ -151,7 +151,7 @@ FGENV_INLINE I8 overlap_across_motion(const SweptLeaves& s, int i) {
 
 struct FoundPairs {
     FacePair* out;
-    int count, capacity;  // count is capacity + 1 where there are more
+    int count, capacity;  // count is capacity + 1 if there are more
 
     void add(FacePair pair) {
         if (count < capacity) out[count] = pair;
@@ -160,7 +160,7 @@ struct FoundPairs {
     bool full() const { return count > capacity; }
 };
 
-// Appends the pairs of faces of two leaves that may meet.
+// Appends the pairs of faces of two leaves that may touch.
 static inline void find_pairs(const Rigid& pose, const SweptView& view, const Leaf& la, const Leaf& lb,
                               FoundPairs& found) {
     SweptLeaves s;

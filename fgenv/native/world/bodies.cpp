@@ -49,7 +49,8 @@ const Body* World::find(BodyId id) const { return id >= 0 && id < end_id() ? bod
 
 const Body& World::body(BodyId id) const {
     if (const Body* found = find(id)) return *found;
-    throw std::invalid_argument("body " + std::to_string(id) + ": not in this world; world.ids tells which are");
+    throw std::invalid_argument("body: got id " + std::to_string(id) +
+                                ", expected a body of this world; world.ids lists them");
 }
 
 Body& World::at(BodyId id) { return const_cast<Body&>(body(id)); }
@@ -57,8 +58,9 @@ Body& World::at(BodyId id) { return const_cast<Body&>(body(id)); }
 Body& World::root_at(BodyId id, const char* what) {
     Body& b = at(id);
     if (b.carrier >= 0)
-        throw std::invalid_argument(std::string(what) + ": body " + std::to_string(id) + " ('" + b.name +
-                                    "') is carried by '" + body(b.carrier).name + "'; move that, or detach it first");
+        throw std::invalid_argument(std::string(what) + ": got body " + std::to_string(id) + " ('" + b.name +
+                                    "'), carried by '" + body(b.carrier).name +
+                                    "', expected a root; move the carrier, or detach the body first");
     return b;
 }
 
@@ -84,9 +86,10 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
     if (id < 0) id = end_id();
     if (name.empty()) name = unused_name("body " + std::to_string(id));
     if (names_.count(name))
-        throw std::invalid_argument("name: '" + name + "' is taken by body " + std::to_string(names_[name]) +
-                                    ", expected one that no body of this world has");
-    if (find(id)) throw std::invalid_argument("id: " + std::to_string(id) + " is taken");
+        throw std::invalid_argument("name: got '" + name + "', taken by body " + std::to_string(names_[name]) +
+                                    ", expected an unused name");
+    if (find(id))
+        throw std::invalid_argument("id: got " + std::to_string(id) + ", which is taken, expected an unused id");
     set_end_id(id + 1);
     auto body = std::make_unique<Body>();
     body->id = id;
@@ -105,7 +108,7 @@ BodyId World::add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string n
 BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q, const std::vector<RobotPart>& parts,
                         const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
                         const std::vector<std::string>& groups) {
-    if (parts.empty()) throw std::invalid_argument("robot: it has no shapes, expected one at least");
+    if (parts.empty()) throw std::invalid_argument("robot: got no shapes, expected at least one");
     const Place place{identity(), std::move(q)};
     const Frames frames = frames_at(robot.get(), place);
     std::vector<BodyId> ids;
@@ -141,10 +144,10 @@ BodyId World::add_robot(std::shared_ptr<const Robot> robot, std::vector<double> 
 std::vector<std::shared_ptr<Shape>> World::remove(BodyId id) {
     Body& b = at(id);
     if (b.built_in && b.carrier >= 0)
-        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name +
-                                    "'; remove that");
+        throw std::invalid_argument("body: got '" + b.name + "', a part of robot '" + body(b.root).name +
+                                    "', expected a whole robot or another body; remove the robot");
     const auto goes = [&](const Body& x) { return x.id == id || (b.robot && x.built_in && x.root == id); };
-    const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and carry in its turn
+    const std::vector<BodyId> family = body(b.root).parts;  // b may be carried and also carry other bodies
     std::vector<BodyId> going;
     for (BodyId part : family)
         if (goes(body(part))) going.push_back(part);
@@ -168,7 +171,7 @@ void World::erase_body(BodyId id, std::vector<std::shared_ptr<Shape>>& shapes) {
     bodies_[id].reset();
 }
 
-// Places a body; its entry in the index and the masks are for whoever calls.
+// Places a body; the caller updates the index and the masks.
 void World::refresh(Body& body, const Rigid& pose) {
     body.pose = pose;
     body.box = body.extent = posed_box(*body.shape, pose);
@@ -181,7 +184,7 @@ void World::refresh(Body& body, const Rigid& pose) {
     }
 }
 
-// After a body has come or changed its place.
+// Updates index and masks after a body was added or moved.
 void World::settle(BodyId id) {
     if (body(id).present) index_.set(id, body(id).extent);
     update_masks(id);
@@ -190,7 +193,7 @@ void World::settle(BodyId id) {
 void World::set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses) {
     for (BodyId id : ids)  // all or nothing
         if (const Body& b = root_at(id, "ids"); b.robot)
-            throw std::invalid_argument("ids: '" + b.name + "' is a robot; set_configuration places it");
+            throw std::invalid_argument("ids: got robot '" + b.name + "', expected bodies; use set_configuration");
     std::vector<Place> places;
     for (const Rigid& pose : poses) places.push_back({pose, {}});
     put(ids, places);
@@ -198,7 +201,7 @@ void World::set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& 
 
 void World::set_configuration(BodyId robot, std::vector<double> q) {
     if (!root_at(robot, "robot").robot)
-        throw std::invalid_argument("robot: '" + body(robot).name + "' is a body; set_pose places it");
+        throw std::invalid_argument("robot: got body '" + body(robot).name + "', expected a robot; use set_pose");
     put({robot}, {{identity(), std::move(q)}});
 }
 
@@ -238,7 +241,7 @@ void World::set_present(BodyId robot, bool present) {
     if (present) reindex(root.parts);
 }
 
-// Puts a body and all that it carries under a root.
+// Moves a body and all bodies that it carries to a root.
 void World::adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset) {
     Body& b = at(id);
     const Rigid back = inverse(b.offset);
@@ -262,7 +265,7 @@ void World::adopt(BodyId id, BodyId root, int32_t link, const Rigid& offset) {
     parts.insert(parts.end(), family.begin(), family.end());
 }
 
-// After parts have come to a mover or left it.
+// Updates a mover after its parts changed.
 void World::bonds_changed(BodyId root) {
     Body& r = at(root);
     for (BodyId part : r.parts) {
@@ -286,8 +289,10 @@ void World::attach(BodyId id, BodyId carrier) {
     Body& b = root_at(id, "body");
     const Body& c = body(carrier);
     if (b.robot)
-        throw std::invalid_argument("body: '" + b.name + "' is a robot, which nothing carries; make both one robot");
-    if (c.root == id) throw std::invalid_argument("carrier: '" + c.name + "' is '" + b.name + "' or carried by it");
+        throw std::invalid_argument("body: got robot '" + b.name + "', expected a body; build one robot from both");
+    if (c.root == id)
+        throw std::invalid_argument("carrier: got '" + c.name + "', expected a body other than '" + b.name +
+                                    "' that it does not carry");
     clear_path(id);
     b.trajectory.reset();
     b.carrier = carrier;
@@ -300,9 +305,11 @@ void World::attach(BodyId id, BodyId carrier) {
 
 void World::detach(BodyId id) {
     Body& b = at(id);
-    if (b.carrier < 0) throw std::invalid_argument("body: '" + b.name + "' is not carried");
+    if (b.carrier < 0)
+        throw std::invalid_argument("body: got '" + b.name + "', which is not carried, expected a carried body");
     if (b.built_in)
-        throw std::invalid_argument("body: '" + b.name + "' is a part of robot '" + body(b.root).name + "'");
+        throw std::invalid_argument("body: got '" + b.name + "', a part of robot '" + body(b.root).name +
+                                    "', expected an attached body");
     const BodyId root = b.root;
     b.carrier = -1;
     adopt(id, id, 0, identity());
@@ -325,7 +332,7 @@ void World::restore(BodyId id, Bond bond) {
 
 void World::allow(BodyId a, BodyId b, bool allowed) {
     Body &first = at(a), &second = at(b);
-    if (a == b) throw std::invalid_argument("allow: '" + first.name + "' with itself");
+    if (a == b) throw std::invalid_argument("allow: got '" + first.name + "' twice, expected two bodies");
     if (allowed) {
         insert(first.allowed, b);
         insert(second.allowed, a);

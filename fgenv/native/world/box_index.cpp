@@ -7,7 +7,7 @@ namespace fgenv {
 namespace {
 
 constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr double worn = 1.5;  // times the size of its blocks when built
+constexpr double worn = 1.5;  // growth of the blocks since the build that triggers a rebuild
 
 BoxBlock empty_block() {
     BoxBlock block;
@@ -25,7 +25,7 @@ void clear_lane(BoxBlock& block, int lane) {
     }
 }
 
-// Sum of the widths of the blocks of eight: a cheap stand-in for what a search costs.
+// Sum of the blocks' widths: a cheap estimate of the cost of a search.
 double size_of_blocks(const std::vector<BoxBlock>& level) {
     double sum = 0;
     for (const BoxBlock& b : level)
@@ -61,7 +61,7 @@ void BoxIndex::append(int32_t item) {
             if (level == packed_.levels.size()) packed_.levels.emplace_back();
             if (8 * packed_.levels[level].size() >= packed_.levels[level - 1].size()) continue;
             packed_.levels[level].push_back(empty_block());
-            if (packed_.levels[level].size() == 1)  // a new top: all that was below the old one
+            if (packed_.levels[level].size() == 1)  // a new top level: starts with the extent of the old one
                 refit_block(level - 1, 0);
         }
     }
@@ -138,7 +138,7 @@ void BoxIndex::remove(int32_t item) {
     wear(1);
 }
 
-// Looked at once in so many changes that the look costs nothing beside them.
+// Checked rarely enough that its cost is negligible.
 void BoxIndex::wear(size_t changes) {
     changes_ += changes;
     if (8 * changes_ < count_ + 64) return;

@@ -1,5 +1,5 @@
-// A spatial index of boxes that come, move and go: a packed tree of eights whose boxes are refitted, built
-// anew when it has worn.
+// A dynamic spatial index of boxes: a packed tree with eight boxes per block. Updates refit the boxes; the
+// tree is rebuilt when the boxes have grown too far.
 #pragma once
 
 #include "shape/packed_boxes.h"
@@ -21,22 +21,22 @@ static inline Box widened(const Box& box, double by) {
 
 class BoxIndex {
 public:
-    void set(int32_t item, const Box& box);  // items are small whole numbers; adds or moves
+    void set(int32_t item, const Box& box);  // adds or moves an item; items are small integers
     void remove(int32_t item);
-    // The same for many at once, refitting each level once.
+    // Sets several boxes; refits each level once.
     void set_many(const std::vector<int32_t>& items, const std::vector<Box>& boxes);
 
     const PackedBoxes& packed() const { return packed_; }
     size_t size() const { return count_; }
     size_t nbytes() const;
 
-    // Items whose boxes meet `box`, in no order; adds to `out`.
+    // Appends the items with boxes that overlap `box` to `out`, in no particular order.
     void overlapping(const Box& box, std::vector<int32_t>& out) const;
 
 private:
     void place(int32_t slot, const Box& box);  // lowest level only
     void append(int32_t item);
-    bool refit_block(size_t level, int32_t block);  // in the level above; false if nothing changed
+    bool refit_block(size_t level, int32_t block);  // updates the level above; false if unchanged
     void refit_above(int32_t slot);
     void build();
     void wear(size_t changes);
@@ -46,7 +46,7 @@ private:
     std::vector<int32_t> spare_;  // slots without an item
     std::vector<Box> boxes_;      // by item
     size_t count_ = 0, appended_ = 0, changes_ = 0;
-    double fresh_size_ = 0;  // of the blocks of eight, when built
+    double fresh_size_ = 0;  // total width of the blocks when built
 };
 
 }  // namespace fgenv

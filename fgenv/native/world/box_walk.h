@@ -1,11 +1,11 @@
-// Walks a packed tree of boxes, least key first, as long as keys are within a bound that may sink.
+// Walk over a packed tree of boxes in ascending order of keys, up to a bound that the visitor may lower.
 #pragma once
 
 #include "shape/packed_boxes.h"
 
 namespace fgenv {
 
-// key(block): eight keys, infinite where a lane is of no interest. visit(item) may lower `bound`.
+// key(block) returns eight keys; infinity skips a lane. visit(item) may lower `bound`.
 template <class Key, class Visit>
 static inline void walk_nearest(const PackedBoxes& boxes, const float& bound, const Key& key, const Visit& visit) {
     struct Entry {
@@ -35,7 +35,7 @@ static inline void walk_nearest(const PackedBoxes& boxes, const float& bound, co
     }
 }
 
-// Squared gaps between a box and eight, rounded down.
+// Squared gaps between a box and eight boxes, rounded down.
 FGENV_INLINE F8 squared_gaps(const BoxBlock& b, const float lo[3], const float hi[3]) {
     F8 sum = F8{};
     for (int i = 0; i < 3; ++i) {
@@ -45,7 +45,7 @@ FGENV_INLINE F8 squared_gaps(const BoxBlock& b, const float lo[3], const float h
     return load(b.lo[0]) <= load(b.hi[0]) ? sum * splat(0.99999f) : splat(HUGE_VALF);
 }
 
-// Where a ray enters eight boxes, rounded down; infinite where it passes them or that is beyond `reach`.
+// Distances at which a ray enters eight boxes, rounded down; infinite for a miss or a distance above `reach`.
 FGENV_INLINE F8 ray_entries(const BoxBlock& b, const float o[3], const float inv[3], float reach) {
     F8 near = F8{}, far = splat(reach);
     for (int i = 0; i < 3; ++i) {

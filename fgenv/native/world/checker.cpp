@@ -14,13 +14,14 @@ Checker::Checker(const World& world, std::vector<Member> members, const MotionSe
     }
 }
 
-// What the members were when this was made they still are.
+// The members must still be the same movers as at construction.
 void Checker::ask() const {
     for (const Member& m : members_) {
         const Body* body = world_.find(m.id);
         if (!body || body->robot != m.model || body->root != m.id)
-            throw std::invalid_argument("robot: body " + std::to_string(m.id) +
-                                        " was removed, replaced or attached since the checker was made");
+            throw std::invalid_argument(
+                "robot: got body " + std::to_string(m.id) +
+                ", removed, replaced or attached since construction, expected the same body; create a new checker");
     }
 }
 
@@ -72,7 +73,7 @@ bool Checker::free(const double* from, const double* to) {
             for (int axis = 0; axis < 2; ++axis)
                 if (legs_[i][row + axis] < m.room[0][axis] || legs_[i][row + axis] > m.room[1][axis]) return false;
     }
-    // Each goes through its legs in equal times; nobody's leg is cut but where another's ends.
+    // Each member spends equal times on its legs. A leg is split only where a leg of another member ends.
     std::vector<double> ends;
     for (size_t i = 0; i < members_.size(); ++i) {
         const size_t n = members_[i].model ? legs_[i].size() / members_[i].model->nq() - 1 : 1;

@@ -1,5 +1,4 @@
-// A world as a planner sees it: states of some of its movers, all at once, and whether they and the ways
-// between them are free.
+// State and motion checks for planners: joint states of several movers of a world, and the motions between them.
 #pragma once
 
 #include "robot/steering.h"
@@ -7,31 +6,31 @@
 
 namespace fgenv {
 
-// A mover's part of a state: a robot's configuration, of a level one with a yaw in place of the quaternion; of a
-// body x, y, yaw at the height where it is, or x, y, z, qx, qy, qz, qw.
+// A mover's part of a state. For a robot: its configuration (a level free base has a yaw instead of the
+// quaternion). For a body: x, y, yaw at its current height, or x, y, z, qx, qy, qz, qw.
 struct Member {
     BodyId id;
     std::shared_ptr<const Robot> model;  // null: a body
-    int32_t size;                        // how many numbers
+    int32_t size;                        // numbers in the state
     Steering steering;
-    double room[2][2] = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};  // that a car's arcs must not leave
+    double room[2][2] = {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};  // x and y bounds of a car's arcs
 
     bool level() const { return model && size < model->nq(); }
 };
 
-// Not for several threads at once. Methods throw std::invalid_argument; whoever calls holds the world's lock.
+// Not thread-safe. Methods throw std::invalid_argument. The caller holds the world's lock.
 class Checker {
 public:
     Checker(const World& world, std::vector<Member> members, const MotionSettings& settings);
 
     int32_t size() const { return size_; }
     bool valid(const double* state);
-    // The way that steering takes; its beginning is taken to be valid.
+    // Checks the motion of the steering method; assumes that its start is valid.
     bool free(const double* from, const double* to);
-    // Meters to the nearest of all others, the members among each other apart; 0 in collision.
+    // Distance (meters) from the members to all other bodies and between members; 0 in collision.
     double clearance(const double* state);
 
-    int64_t states = 0, motions = 0;  // asked so far
+    int64_t states = 0, motions = 0;  // number of checks so far
 
 private:
     bool place(const double* state, std::vector<Place>& out) const;  // false: not finite
@@ -45,7 +44,7 @@ private:
     bool straight_ = true;
     BodyPair last_pair_;
     std::vector<Place> from_, to_;
-    std::vector<std::vector<double>> legs_;  // of each member, rows
+    std::vector<std::vector<double>> legs_;  // way points per member, as rows
 };
 
 }  // namespace fgenv

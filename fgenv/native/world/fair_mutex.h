@@ -1,4 +1,4 @@
-// A shared mutex that lets nobody starve: whoever comes while a change waits, waits behind it.
+// A shared mutex without starvation: readers that arrive while a writer waits queue behind it.
 #pragma once
 
 #include <mutex>
@@ -28,7 +28,7 @@ public:
     void unlock_shared() { inside_.unlock_shared(); }
 
 private:
-    std::mutex door_;  // held while waiting to get in
+    std::mutex door_;  // held while waiting for `inside_`
     std::shared_mutex inside_;
 };
 

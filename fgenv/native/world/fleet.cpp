@@ -1,4 +1,4 @@
-// Motions of several movers at once, each against the others' motions too: to the end, or each up to its first contact.
+// Simultaneous motions of several movers, also checked against each other: to the end, or up to first contacts.
 #include <algorithm>
 #include <numeric>
 #include <queue>
@@ -26,8 +26,8 @@ void for_overlapping(const std::vector<Box>& boxes, const Visit& visit) {
 
 }  // namespace
 
-// A mover whose parts are fixed in its base frame stays within a sphere around that frame's origin, which moves along a
-// straight line: a cheap bound. Other movers take the boxes of all parts.
+// A cheap bound for a mover with parts that are fixed in its base frame: a sphere around the frame's origin, which moves
+// along a straight line. Other movers use the boxes of all parts.
 Box World::rough_box(const Body& robot, const Place& from, const Place& to, double margin) const {
     const Robot* tree = robot.robot.get();
     if (tree && tree->n_links() > 1) return swept(robot, from, to, margin).around;
@@ -49,7 +49,7 @@ Box World::rough_box(const Body& robot, const Place& from, const Place& to, doub
                                                  : origin(base.origin));
     }
     const double size = greater(norm(box.lo), norm(box.hi)) + radius;
-    return widened(box, radius * (1 + 1e-4) + margin + 1e-12 * size);  // poses may be askew by 1e-5
+    return widened(box, radius * (1 + 1e-4) + margin + 1e-12 * size);  // poses may deviate from orthonormal by 1e-5
 }
 
 World::Fleet World::fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from,
@@ -86,8 +86,8 @@ World::Fleet World::fleet(const std::vector<BodyId>& robots, const std::vector<P
     return out;
 }
 
-// First contact of two movers in a part of their motion at whose begin they are apart (or 0); either may rest from
-// there on.
+// First contact of two movers within a stretch of their motion. They are separate at its begin unless that is 0.
+// Either mover may rest from the begin on.
 World::PairContact World::first_contact(const SweptMover& a, bool a_rests, const SweptMover& b, bool b_rests,
                                         Stretch stretch, const MotionSettings& given) const {
     const double begin = stretch.begin, rest = 1 - begin;
@@ -124,7 +124,7 @@ std::vector<MotionOutcome> World::check_motions(const std::vector<BodyId>& robot
     return out;
 }
 
-// Of each mover the first contact, as if none stopped.
+// First contact of each mover, assuming that no mover stops.
 std::vector<MotionOutcome> World::first_contacts(const Fleet& all, const MotionSettings& s) const {
     std::vector<MotionOutcome> out = all.alone;
     const auto lower = [](MotionOutcome& known, const MotionContact& found, BodyId part, BodyId other) {
@@ -177,7 +177,7 @@ private:
         int32_t i, j;  // j is -1: contact of i with a body that belongs to no mover
         bool i_rested, j_rested;
 
-        bool operator<(const Event& o) const {  // of a queue whose greatest comes first
+        bool operator<(const Event& o) const {  // std::priority_queue pops the greatest, here the earliest
             const double t = found.contact.free_until, u = o.found.contact.free_until;
             return t != u ? t > u : i != o.i ? i > o.i : j > o.j;
         }
@@ -187,7 +187,7 @@ private:
         return e.i_rested != bool(rests_[e.i]) || (e.j >= 0 && e.j_rested != bool(rests_[e.j]));
     }
 
-    // A little before the contact, so that later motions do not begin within rounding of it.
+    // Stops slightly before the contact, so that later motions do not start within rounding of it.
     void add(PairContact found, int32_t i, int32_t j, double begin) {
         const double speed = greater(all_.movers[i].speed, j < 0 ? 0 : all_.movers[j].speed);
         const double before = 0.25 * settings_.certify.tolerance / greater(speed, 1e-300);

@@ -1,4 +1,4 @@
-// A world's checks for planners: movers that stand or move all at once, free or not, the last colliding pair first.
+// Checks for planners: movers at rest or in simultaneous motion; the last colliding pair is tested first.
 #include <algorithm>
 #include <cmath>
 
@@ -9,10 +9,10 @@ namespace {
 
 using SweptPair = CandidatePair<SweptPart>;
 
-constexpr int64_t most_samples = 16;  // of a motion before it is certified
-constexpr double sample_step = 0.25;  // between them, as a part of the smallest body's radius
+constexpr int64_t most_samples = 16;  // per motion before certification
+constexpr double sample_step = 0.25;  // distance between samples, relative to the smallest body's radius
 
-// Fractions of a motion, halves first, then quarters and so on: k / n for k = 1 to n - 1, each once.
+// Fractions k / n of a motion for k = 1 to n - 1, each once: halves first, then quarters, and so on.
 template <class Visit>
 bool all_of_halving(int64_t n, const Visit& visit) {
     int64_t stride = 1;
@@ -23,7 +23,7 @@ bool all_of_halving(int64_t n, const Visit& visit) {
     return true;
 }
 
-// The last colliding pair first.
+// Tests the last colliding pair first.
 void put_first(std::vector<SweptPair>& pairs, const BodyPair& last) {
     const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const SweptPair& p) {
         return p.part->body->id == last.a && p.other->id == last.b;
@@ -41,7 +41,7 @@ bool World::free_at(const std::vector<BodyId>& robots, const std::vector<Place>&
     return free;
 }
 
-// Whether the last colliding pair collides again, of a mover and a body that belongs to no mover.
+// Whether the last colliding pair of a mover and a body that belongs to no mover collides again.
 bool World::collides_again(std::span<const PlacedMover> movers, double margin, const BodyPair& last,
                            int64_t& checks) const {
     const Body* b = find(last.b);
@@ -105,7 +105,7 @@ bool World::free_on(const std::vector<BodyId>& robots, const std::vector<Place>&
     return free;
 }
 
-// The end and the middle first: most colliding motions collide there, which is known before the motion is set up.
+// Tests the end and the middle first: most colliding motions collide there, and no motion has to be set up.
 bool World::move_free(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                       const MotionSettings& given, BodyPair& last, int64_t& checks) const {
     const bool discrete = given.resolution > 0;

@@ -1,6 +1,6 @@
-// Path-driven masks. A mover's path is projected to motion boxes, one a leg; it owns one bit, which every
-// body that meets one of them bears. The paper (Ma Li, Wang Qiang et al., sections 2.3 and 2.4) takes the
-// reference point's path, a body's position, and one bit for all: that is Masks::published.
+// Path-driven masks. A mover's path gives one motion box per leg. The mover owns one bit, which is set for every
+// body that overlaps one of these boxes. Masks::published follows the paper (Ma Li, Wang Qiang et al., sections 2.3
+// and 2.4): the path of the reference point, the positions of bodies, and one bit for all movers.
 #include <algorithm>
 
 #include "math/sorted_set.h"
@@ -26,7 +26,7 @@ int World::own_bit(BodyId robot) const {
     return p ? p->bit : -1;
 }
 
-// The box of each leg holds all parts of the robot all along it; a single way point is a leg as well.
+// Each leg's box encloses all parts of the robot along the leg. A single way point counts as a leg.
 std::vector<Box> World::legs_of(const Body& robot, const std::vector<Place>& places) const {
     std::vector<Box> legs;
     if (masks_ == Masks::published) {
@@ -85,7 +85,7 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> plac
         index_.overlapping(leg, found);
         legs_.overlapping(leg, met);
     }
-    for (int32_t item : met) {  // movers that come this way
+    for (int32_t item : met) {  // movers with overlapping motion boxes
         const std::vector<BodyId>& parts = body(leg_of_[item]).parts;
         found.insert(found.end(), parts.begin(), parts.end());
     }
@@ -100,7 +100,7 @@ const std::vector<BodyId>& World::set_path(BodyId robot, std::vector<Place> plac
         p.items.push_back(item);
     }
     set_candidates(robot, std::move(found));
-    for (BodyId part : b.parts) update_masks(part);  // it may come another mover's way, or no longer
+    for (BodyId part : b.parts) update_masks(part);  // overlaps with other movers' boxes may have changed
     return p.candidates;
 }
 
@@ -121,10 +121,10 @@ void World::clear_path(BodyId robot) {
     for (BodyId part : body(robot).parts) update_masks(part);
 }
 
-// Whether a body, where it is or may come, meets the path's motion boxes.
+// Whether a body's extent or its own path overlaps the path's motion boxes.
 bool World::meets(const Path& p, BodyId robot, const Body& other) const {
     if (other.root == robot || !other.present) return false;
-    bool tested = false;  // by some part of the robot
+    bool tested = false;  // against at least one part of the robot
     for (BodyId part : body(robot).parts) tested |= !ignores(body(part), other);
     if (!tested) return false;
     const Path* theirs = path(other.root);
@@ -137,7 +137,7 @@ bool World::meets(const Path& p, BodyId robot, const Body& other) const {
     return false;
 }
 
-// Movers whose motion box a body meets.
+// Finds the movers with a motion box that the body overlaps.
 void World::find_movers(BodyId id, std::vector<BodyId>& out) const {
     const Body& b = body(id);
     if (!b.present) return;
@@ -152,7 +152,7 @@ void World::find_movers(BodyId id, std::vector<BodyId>& out) const {
 }
 
 void World::update_masks(BodyId id) {
-    if (masks_ == Masks::published) return;  // as published, a body that moves later keeps its mask
+    if (masks_ == Masks::published) return;  // in the paper, a body that moves later keeps its mask
     Body& b = at(id);
     if (paths_.empty() && b.movers.empty()) return;
     std::vector<BodyId> movers;
@@ -169,8 +169,8 @@ void World::update_all_masks() {
         if (find(id)) update_masks(id);
 }
 
-// Whom a robot may meet within a box: those its path's mask leaves if the box lies in one of its motion
-// boxes, else what the index finds.
+// Bodies that a robot may touch within a box: the candidates of its path if the box lies in one of its motion
+// boxes, otherwise the bodies that the index finds.
 void World::candidates(const Body& robot, const Box& box, std::vector<BodyId>& out) const {
     out.clear();
     const Path* p = path(robot.root);

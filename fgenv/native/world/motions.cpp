@@ -1,4 +1,4 @@
-// A world's motions of one mover: certified, or tested in steps.
+// Motion checks of one mover: certified, or tested in steps.
 #include <algorithm>
 #include <cmath>
 
@@ -48,7 +48,7 @@ int64_t steps_of(const MotionSettings& s, double length) {
     return std::max<int64_t>(1, static_cast<int64_t>(expected));
 }
 
-// Collision at one fraction of the motion: with itself, with bodies at rest or on their trajectories.
+// Collision at one fraction of the motion: with itself, and with bodies at rest or on their trajectories.
 bool World::collides_at(const SweptMover& mover, double t, const std::vector<BodyId>& others, const MotionSettings& s,
                         MotionOutcome& out) const {
     if (others.empty() && mover.robot->own_pairs.empty()) return false;
@@ -69,8 +69,8 @@ bool World::collides_at(const SweptMover& mover, double t, const std::vector<Bod
     return true;
 }
 
-// As OMPL's discrete validator: at steps between which no point moves more than `resolution`; the first that
-// collides.
+// Tests steps between which no point moves more than `resolution`, as OMPL's discrete motion validator does;
+// returns the first colliding step.
 MotionOutcome World::step_through(const SweptMover& mover, const std::vector<BodyId>& others,
                                   const MotionSettings& s) const {
     MotionOutcome out;
@@ -84,8 +84,7 @@ MotionOutcome World::step_through(const SweptMover& mover, const std::vector<Bod
     return out;
 }
 
-// From one pose of the trajectory to the next. Fractions are those of that leg, however short it is
-// beside the motion, and the robot's motion is cut to it.
+// Checks one leg of a body's trajectory. Fractions refer to that leg, and the robot's motion is cut to it.
 void World::certify_along_trajectory(const SweptPart& part, const Body& other, const MotionSettings& s,
                                      MotionContact& contact) const {
     const Body& root = body(other.root);

@@ -1,4 +1,4 @@
-// Movers at one place, or along one motion, as a world's checks test them.
+// Movers at one place or along one motion, prepared for collision checks.
 #pragma once
 
 #include <span>
@@ -25,7 +25,7 @@ struct SweptPart {
 struct PlacedMover {
     using Part = PlacedPart;
     const Body* robot;
-    std::vector<PlacedPart> parts;  // as robot->parts
+    std::vector<PlacedPart> parts;  // in the order of robot->parts
     Box around = empty_box();
 
     const OwnPairs& own_pairs() const { return robot->own_pairs; }
@@ -36,10 +36,10 @@ struct SweptMover {
     using Part = SweptPart;
     const Body* robot = nullptr;
     MoverMotion motion;
-    bool bends = false;  // joints move: parts move against each other
+    bool bends = false;  // joints move, hence parts move relative to each other
     std::vector<SweptPart> parts;
     Box around = empty_box();
-    double speed = 0;  // bound on that of any point
+    double speed = 0;  // upper bound over all points
 
     const OwnPairs& own_pairs() const {
         static const OwnPairs none;

@@ -1,4 +1,4 @@
-// The one loop over pairs of bodies that may be in contact.
+// Loops over pairs of bodies that may be in contact.
 #pragma once
 
 #include <algorithm>
@@ -7,18 +7,18 @@
 
 namespace fgenv {
 
-// A part of a mover, and a part of the same or of a later mover, or a body that belongs to no mover.
+// A part of a mover paired with a part of the same or a later mover, or with a body that belongs to no mover.
 template <class Part>
 struct CandidatePair {
     const Part* part;
-    const Part* other_part;  // null: of no mover
+    const Part* other_part;  // null for a body that belongs to no mover
     const Body* other;
-    int32_t mover, other_mover;  // indices; -1: none
+    int32_t mover, other_mover;  // indices, or -1
 
     bool itself() const { return mover == other_mover; }
 };
 
-// Order of the pairs of a mover's parts with bodies that belong to no mover.
+// Loop order for the pairs of a mover's parts with bodies that belong to no mover.
 enum class PairOrder : uint8_t { by_part, by_body };
 
 // Visits the pairs of parts of two movers whose boxes overlap. Stops when `visit` returns false, and returns false.
@@ -32,7 +32,7 @@ bool World::pairs_between(const Mover& a, int32_t index_a, const Mover& b, int32
     return true;
 }
 
-// The same for a mover's parts and bodies; box_of(body) returns the box that a body stays in.
+// Visits the pairs of a mover's parts and bodies; box_of(body) returns a box that encloses the body's motion.
 template <class Mover, class BoxOf, class Visit>
 bool World::pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, PairOrder order,
                               const BoxOf& box_of, const Visit& visit) const {
@@ -58,8 +58,8 @@ bool World::pairs_with_bodies(const Mover& mover, int32_t index, std::span<const
     return true;
 }
 
-// Of each mover: pairs of its own parts, then its parts with bodies of no mover, then with the parts of later
-// movers. `bodies`: those to test, null for the mover's candidates.
+// Visits, per mover, the pairs of its own parts, then its parts with bodies that belong to no mover, then with parts
+// of later movers. `bodies` lists the bodies to test; null selects the mover's candidates.
 template <class Mover, class BoxOf, class Visit>
 bool World::for_each_pair(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
                           const BoxOf& box_of, const Visit& visit) const {
@@ -86,13 +86,14 @@ bool World::for_each_pair(std::span<const Mover> movers, const std::vector<BodyI
     return true;
 }
 
-// The test of a pair at one instant.
+// Collision test of a pair at one instant.
 struct InstantTest {
     double time, margin, own_margin;  // seconds or `now`; meters
     bool lossless;
 };
 
-// Whether no pair of placed movers collides; else the first that does is put into `pair`. Counts tests in `checks`.
+// Returns whether no pair of placed movers collides; otherwise stores the first colliding pair in `pair`. Counts
+// tests in `checks`.
 template <class Mover, class BoxOf>
 bool World::free_of_contact(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
                             const BoxOf& box_of, const InstantTest& test, BodyPair& pair, int64_t& checks) const {

@@ -1,4 +1,4 @@
-// A world's queries at one instant: collision, clearance, rays, all pairs.
+// Queries at one instant: collision, clearance, rays, all pairs.
 #include <algorithm>
 
 #include "world/box_walk.h"
@@ -7,7 +7,7 @@
 namespace fgenv {
 namespace {
 
-// Above a squared distance, in floats.
+// Float above a squared distance.
 float float_bound(double squared) { return squared < 1e30 ? rounded_up(squared) * 1.00001f + 1e-30f : 1e30f; }
 
 constexpr Box everywhere{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
@@ -45,7 +45,7 @@ Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<
     for (size_t i = 0; i < robots.size(); ++i) movers.push_back(placed(body(robots[i]), places[i], 0));
     Clearance best;
     double squared = HUGE_VAL;
-    float bound = float_bound(squared);  // not infinite: so are the keys of lanes without a body
+    float bound = float_bound(squared);  // finite, since lanes without a body have infinite keys
     int64_t n = 0;
     const auto measure = [&](const PlacedPart& a, const Body& b, const Rigid& pose, const Box& box) {
         ++n;
@@ -55,7 +55,7 @@ Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<
             found = 0;
         else
             found = kernels().nearest(*a.body->shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
-        // Which of two as near comes first must not depend on how the index was built.
+        // The order of equally near bodies must not depend on how the index was built.
         if (found > squared || (found == squared && best.other >= 0 && b.id > best.other)) return;
         if (found == HUGE_VAL) return;
         squared = found;
@@ -108,8 +108,7 @@ WorldHit World::raycast(Vec3 o, Vec3 d, double max_distance, const std::vector<B
     return best;
 }
 
-// Body by body, the nearest boxes first: each is looked up once for all rays, which are tested against its
-// box eight at once.
+// Visits bodies once for all rays, nearest boxes first, and tests eight rays at a time against each box.
 void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
                  double* distances) const {
     struct Eight {
@@ -117,7 +116,7 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
     };
     const size_t n = directions.size();
     std::vector<Eight> rays((n + 7) / 8);
-    bool flat = true;  // no ray leaves the height that it begins at
+    bool flat = true;  // all rays are horizontal
     for (size_t k = 0; k < 8 * rays.size(); ++k) {
         const Vec3& d = directions[std::min(k, n - 1)];
         flat &= d.z == 0;
@@ -146,7 +145,8 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
     std::sort(order.begin(), order.end());
     for (const auto& [squared, id] : order) {
         const Body& b = body(id);
-        float lo[3], hi[3];  // from the origin, wider than differences and products of floats are off by
+        float lo[3],
+            hi[3];  // relative to the origin, widened by more than the rounding of float differences and products
         for (int i = 0; i < 3; ++i) {
             const double x = coordinate(o, i), low = coordinate(b.box.lo, i), high = coordinate(b.box.hi, i);
             const double slack = (std::fabs(low) + std::fabs(high) + std::fabs(x)) * 0x1p-21;
@@ -179,7 +179,7 @@ void World::scan(Vec3 o, const std::vector<Vec3>& directions, double range, cons
     }
 }
 
-// The bodies of one block of eight against those of this and later blocks: one search for eight.
+// Tests the bodies of one block against this and later blocks, with one search for eight bodies.
 void World::contact_pairs_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const {
     const PackedBoxes& packed = index_.packed();
     const BoxBlock& own = packed.levels[0][block];
@@ -208,7 +208,7 @@ void World::contact_pairs_of_block(int32_t block, double margin, std::vector<std
                 const Body& b = *bodies_[packed.items[8 * other + __builtin_ctz(m)]];
                 if (!overlap(widened(a.box, margin), b.box) || ignores(a, b)) continue;
                 ++n;
-                // The one added first is `a` of the query, whatever the index looks like.
+                // The body that was added first is `a` of the query, independent of the index.
                 const Body &first = a.id < b.id ? a : b, &second = a.id < b.id ? b : a;
                 if (hits(*first.shape, *second.shape, relative(first.pose, second.pose), margin, false))
                     out.emplace_back(first.id, second.id);

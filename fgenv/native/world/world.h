@@ -1,4 +1,4 @@
-// Bodies that move among each other: who may meet whom (masks), and whether they do.
+// World of moving bodies: masks that select candidate pairs, and exact collision checks.
 #pragma once
 
 #include <atomic>
@@ -16,43 +16,43 @@ namespace fgenv {
 
 using BodyId = int32_t;
 
-// A motion known ahead: at `places[i]` at `times[i]` (seconds), between them straight, outside them at rest.
+// A motion known in advance: `places[i]` at `times[i]` (seconds), interpolated linearly, at rest outside.
 struct Trajectory {
     std::vector<double> times;
     std::vector<Place> places;
 
-    // The leg that holds a time: from a place to the next, and where between them.
+    // The leg that contains a time, and the fraction along it.
     struct Leg {
         const Place &from, &to;
-        double begin, length;  // seconds; a length of 0: at rest
+        double begin, length;  // seconds; a length of 0 means at rest
     };
     Leg leg(double time) const;
 };
 
 using OwnPairs = std::vector<std::pair<int32_t, int32_t>>;
 
-// A body is carried by another or stands for itself; with all that it carries it is a mover. A robot's
-// bodies are the shapes of its links; they carry further bodies.
+// A body is a root or is carried by another body. A root and all the bodies that it carries form a mover. A
+// robot's bodies are the shapes of its links; they can carry further bodies.
 struct Body {
     BodyId id;
     std::shared_ptr<Shape> shape;
     std::string name;
     Rigid pose;
-    Box box;     // around it where it is
-    Box extent;  // that, and all along its trajectory
+    Box box;     // at the current pose
+    Box extent;  // at the current pose and along its trajectory
     std::vector<int32_t> groups;
-    std::vector<BodyId> allowed;  // sorted: contact with them is no collision
+    std::vector<BodyId> allowed;  // sorted; contact with these is not a collision
     BodyId carrier = -1, root;
-    int32_t link = 0;                        // of the root, if that is a robot
-    Rigid offset = identity();               // in the frame of the root or its link
+    int32_t link = 0;                        // link of the root, if that is a robot
+    Rigid offset = identity();               // pose in the frame of the root or its link
     bool built_in = false;                   // a shape of a robot
-    bool present = true;                     // else nobody meets it
-    std::vector<BodyId> parts;               // of a root: itself, then all that it carries
-    std::vector<BodyId> movers;              // sorted: whose motion box it meets
-    std::unique_ptr<Trajectory> trajectory;  // of a root
-    std::shared_ptr<const Robot> robot;      // of a root that is one, and
-    std::vector<double> q;                   // its configuration, and
-    OwnPairs own_pairs;                      // indices in `parts` of pairs that are tested
+    bool present = true;                     // false: excluded from all checks
+    std::vector<BodyId> parts;               // for a root: itself, then all carried bodies
+    std::vector<BodyId> movers;              // sorted; movers with a motion box that this body overlaps
+    std::unique_ptr<Trajectory> trajectory;  // for a root
+    std::shared_ptr<const Robot> robot;      // for a root that is a robot
+    std::vector<double> q;                   // configuration of `robot`
+    OwnPairs own_pairs;                      // tested pairs of `parts`, as indices
 
     bool stands_for_itself() const { return root == id && !robot; }
     const Rigid* held_at() const { return stands_for_itself() ? nullptr : &offset; }
@@ -72,19 +72,19 @@ struct Path {
     int bit = 0;
     std::vector<Place> places;
     std::vector<Box> legs;           // motion boxes
-    std::vector<int32_t> items;      // of the legs in the index
+    std::vector<int32_t> items;      // index items of the legs
     std::vector<BodyId> candidates;  // sorted
 };
 
 enum class Masks : uint8_t { path, published, off };
 
-// When something is asked: NaN is now, with every body where it was set.
+// Time of a query. NaN means now: every body at its set pose.
 constexpr double now = std::numeric_limits<double>::quiet_NaN();
 
 struct MotionSettings {
     CertifySettings certify;
     double from = now, to = now;   // seconds at fractions 0 and 1
-    double resolution = 0;         // meters; over 0: not certified, tested in steps
+    double resolution = 0;         // meters; above 0, motions are tested in steps instead of certified
     bool margin_to_itself = true;  // the margin also applies between a robot's own parts
 
     MotionSettings with_speed(double speed) const {
@@ -97,8 +97,8 @@ struct MotionSettings {
 struct MotionOutcome {
     MotionContact contact;
     BodyId part = -1, other = -1;
-    int64_t checks = 0;  // pairs of bodies tested
-    int32_t masked = 0;  // bodies that the motion's mask leaves
+    int64_t checks = 0;  // tested pairs of bodies
+    int32_t masked = 0;  // candidate bodies under the motion's mask
 };
 
 struct Clearance {
@@ -106,7 +106,7 @@ struct Clearance {
     BodyId other = -1;
 };
 
-// Two bodies in contact. Planners test the last colliding pair first: an obstacle is often in the way again.
+// Two bodies in contact. Planners test the last colliding pair first, since it often collides again.
 struct BodyPair {
     BodyId a = -1, b = -1;
 };
@@ -124,11 +124,11 @@ enum class PairOrder : uint8_t;
 template <class Part>
 struct CandidatePair;
 
-// Number of steps of a motion whose points move up to `length` meters; throws where there are too many.
+// Number of steps of a motion in which points move up to `length` meters; throws if there are too many.
 int64_t steps_of(const MotionSettings& settings, double length);
 
-// Methods throw std::invalid_argument. Those that are const may run side by side; whoever calls holds
-// `mutex` accordingly.
+// Methods throw std::invalid_argument. Const methods may run concurrently. The caller locks `mutex`: shared for
+// const methods, exclusive for others.
 class World {
 public:
     explicit World(Masks masks) : masks_(masks) {}
@@ -137,19 +137,19 @@ public:
 
     BodyId add(std::shared_ptr<Shape> shape, const Rigid& pose, std::string name,
                const std::vector<std::string>& groups, BodyId id = -1);
-    // Bodies for its parts, the first of which stands for the robot; `allowed`: pairs of parts that may meet.
+    // Adds one body per part; the first body's id identifies the robot. `allowed`: pairs of parts that may touch.
     BodyId add_robot(std::shared_ptr<const Robot> robot, std::vector<double> q, const std::vector<RobotPart>& parts,
                      const std::vector<std::pair<int32_t, int32_t>>& allowed, const std::string& name,
                      const std::vector<std::string>& groups);
     std::string unused_name(const std::string& like) const;
-    // Gives back what may hold the last reference to a shape, to be dropped where Python may be called.
+    // Returns shapes that may hold a last reference; the caller releases them where Python may be called.
     std::vector<std::shared_ptr<Shape>> remove(BodyId id);
     void set_poses(const std::vector<BodyId>& ids, const std::vector<Rigid>& poses);
     void set_configuration(BodyId robot, std::vector<double> q);
-    void set_present(BodyId robot, bool present);  // with all that it carries; without a path then
+    void set_present(BodyId robot, bool present);  // includes carried bodies; clears the path
     void attach(BodyId id, BodyId carrier);
     void detach(BodyId id);
-    // What stands for itself is carried again, bit for bit where it was (attaching would round).
+    // Attachment of a body, restored bit for bit (attaching again would round the offset).
     struct Bond {
         BodyId carrier, root;
         int32_t link;
@@ -162,9 +162,9 @@ public:
     void restore(BodyId id, Bond bond);
     void allow(BodyId a, BodyId b, bool allowed);
     void allow_groups(const std::string& a, const std::string& b, bool allowed);
-    void set_trajectory(BodyId id, Trajectory trajectory);  // without times: forgets it
+    void set_trajectory(BodyId id, Trajectory trajectory);  // without times: removes it
 
-    // Its bit is the one given, else the one it has, else the lowest that is free.
+    // Uses the given bit, otherwise the robot's current bit, otherwise the lowest free bit.
     const std::vector<BodyId>& set_path(BodyId robot, std::vector<Place> places, int bit = -1);
     void clear_path(BodyId robot);
     const Path* path(BodyId robot) const;
@@ -172,35 +172,35 @@ public:
     int own_bit(BodyId robot) const;
 
     bool collides(BodyId robot, const Place& place, double time, double margin) const;
-    // To the nearest of all others, of any of these movers, and among them.
+    // Smallest distance from these movers to all other bodies and between the movers.
     Clearance clearance(const std::vector<BodyId>& robots, const std::vector<Place>& places, double time) const;
     MotionOutcome check_motion(BodyId robot, const Place& from, const Place& to, const MotionSettings& settings) const;
-    // All at once, each against the others' motions too.
+    // Simultaneous motions, also checked against each other.
     std::vector<MotionOutcome> check_motions(const std::vector<BodyId>& robots, const std::vector<Place>& from,
                                              const std::vector<Place>& to, const MotionSettings& settings) const;
-    // Moves all at once from where they are, each up to where it first meets something; the others meet it
-    // there. Where nobody overlapped before, nobody does afterwards. With `through` all go on to the end.
+    // Moves all robots simultaneously from their current places. Each stops at its first contact, and later arrivals
+    // collide with it there. Free states stay free. With `through`, all robots continue to the end.
     std::vector<MotionOutcome> advance(const std::vector<BodyId>& robots, const std::vector<Place>& to,
                                        const MotionSettings& settings, bool through = false);
-    // What a planner asks, thousands of times: whether movers that stand or go all at once meet nothing and
-    // nobody. Of a motion the beginning is taken to be free. The margin is not one of a mover from itself.
+    // Checks for planners: whether movers at rest or in simultaneous motion are free of collision, also with each
+    // other. The start of a motion is assumed to be free. The margin does not apply between parts of one mover.
     bool free_at(const std::vector<BodyId>& robots, const std::vector<Place>& places, double margin,
                  BodyPair& last) const;
     bool free_on(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                  const MotionSettings& settings, BodyPair& last) const;
-    // Whether two movers that go at once are not proved apart, whatever else there is.
+    // Whether two simultaneous motions are not certified as separate; ignores all other bodies.
     bool motions_collide(BodyId a, const Place& from_a, const Place& to_a, BodyId b, const Place& from_b,
                          const Place& to_b, const MotionSettings& settings) const;
-    // Distances along many rays from one origin, `range` where nothing is nearer; `ignored` sorted.
+    // Distances along rays from one origin, `range` for a miss; `ignored` is sorted.
     void scan(Vec3 origin, const std::vector<Vec3>& directions, double range, const std::vector<BodyId>& ignored,
               double* distances) const;
     WorldHit raycast(Vec3 origin, Vec3 direction, double max_distance, const std::vector<BodyId>& ignored) const;
 
-    // All colliding pairs (the lower id first, the pairs in no order), by blocks of bodies to be shared out.
+    // All colliding pairs, lower id first, in no particular order; blocks of bodies can be processed in parallel.
     int32_t blocks() const;
     void contact_pairs_of_block(int32_t block, double margin, std::vector<std::pair<BodyId, BodyId>>& out) const;
 
-    const Body& body(BodyId id) const;  // throws where there is none
+    const Body& body(BodyId id) const;  // throws for an unknown id
     const Body* find(BodyId id) const;
     BodyId id_of(const std::string& name) const;  // -1: none
     int32_t end_id() const { return static_cast<int32_t>(bodies_.size()); }
@@ -212,7 +212,7 @@ public:
     }
     const std::vector<std::string>& groups() const { return groups_; }
     const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
-    bool ignores(const Body& a, const Body& b) const;  // a pair that is never a collision
+    bool ignores(const Body& a, const Body& b) const;  // pairs that are excluded from collision
     int64_t tests() const { return tests_; }
     size_t nbytes() const;
 
@@ -220,7 +220,7 @@ public:
 
 private:
     class StopSchedule;
-    struct PairContact {  // of two movers, fractions of the whole motion
+    struct PairContact {  // contact of two movers; fractions of the whole motion
         MotionContact contact;
         BodyPair pair;
         int64_t checks = 0;
@@ -229,9 +229,9 @@ private:
         double begin, end;
     };
     struct Fleet {
-        std::vector<SweptMover> movers;               // empty for those without bodies or movers near
-        std::vector<std::vector<int32_t>> neighbors;  // of each: movers whose motions come near its own, ascending
-        std::vector<MotionOutcome> alone;             // of each: first contact with itself or bodies of no mover
+        std::vector<SweptMover> movers;               // empty for movers without bodies or movers nearby
+        std::vector<std::vector<int32_t>> neighbors;  // per mover: movers with nearby motions, ascending
+        std::vector<MotionOutcome> alone;             // per mover: first contact with itself or bodies of no mover
     };
 
     Body& at(BodyId id);
@@ -305,7 +305,7 @@ private:
     std::vector<std::pair<int32_t, int32_t>> allowed_groups_;
     BoxIndex index_;              // extents of bodies
     BoxIndex legs_;               // motion boxes
-    std::vector<BodyId> leg_of_;  // by item of legs_, -1: spare
+    std::vector<BodyId> leg_of_;  // by item of legs_; -1 for a free item
     std::map<BodyId, Path> paths_;
     mutable std::atomic<int64_t> tests_{0};
 };
