@@ -48,7 +48,7 @@ def run_cases(
     """Run episodes of some cases; return the results in the same order.
 
     The simulator uses the attributes `observation` and `actions` of the policy, if it has them. A
-    world whose episode has ended runs its case again; the repetition is not counted.
+    world with an ended episode runs its case again; the repetition is not counted.
 
     Args:
         indices: numbers of distinct cases.

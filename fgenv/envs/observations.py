@@ -66,7 +66,7 @@ class Observation:
             that rows have the same length for any number of robots.
         path: Path of the hint: `straight` to the goal, or `shortest` among static bodies and parked
             robots, for planar bases. Shortest paths are hints, not proofs: they are found on a grid
-            whose cells are checked at their centers. A parked robot counts as the discs that
+            with cells that are checked at their centers. A parked robot counts as the discs that
             enclose it. A robot that would block another robot's only route by parking waits: its
             path ends where it stands until the other robot has parked.
         look_ahead: Distance of the path hint, meters (fixed base: radians of all joints together).

@@ -209,7 +209,7 @@ def parallel_env(
     """Return a scenario as a PettingZoo ParallelEnv.
 
     Args:
-        scenario: a name, a file, a Scenario, or a FrozenSet, whose cases are the episodes.
+        scenario: a name, a file, a Scenario, or a FrozenSet with a case per episode.
         render_mode: `rgb_array`, `human` or None.
         max_cycles: maximum number of steps of an episode, instead of the scenario's horizon.
         options: of `Simulator` (observation, reward, actions, starts, cases, clearance, threads),

@@ -31,7 +31,7 @@ class FleetEnv(gymnasium.Env[Any, Any]):
     horizon. Infos are those of `infos`.
 
     Args:
-        scenario: a name, a file, a Scenario, or a FrozenSet, whose cases are the episodes.
+        scenario: a name, a file, a Scenario, or a FrozenSet with a case per episode.
         robot: name or index of the learning robot.
         others: policy of the other robots: a name, a policy, or a function of observations, see
             `policy_of`.

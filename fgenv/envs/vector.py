@@ -30,7 +30,7 @@ from .state_readers import MOVING
 class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
     """Worlds of one scenario; world k of reset(seed=s) equals a FleetEnv of reset(seed=s + k).
 
-    A world whose episode ends begins the next one in the same step; `final_obs` and `final_info`
+    A world with an ended episode begins the next one in the same step; `final_obs` and `final_info`
     have the last observation and info. Infos are arrays (worlds,): `collision` (bool), `masked`,
     `checks`, `success`, and `clearance` if measured.
 

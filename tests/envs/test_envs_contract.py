@@ -136,7 +136,7 @@ def test_before_the_first_reset_there_is_no_state(name: str, arguments: list[Any
 
 
 class Drifting(FleetParallelEnv):
-    """A simulator whose rewards depend on the number of steps of all instances."""
+    """A simulator with rewards that depend on the number of steps of all instances."""
 
     count = 0
 

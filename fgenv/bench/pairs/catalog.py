@@ -112,7 +112,7 @@ PAIRS = (
 
 
 def select_pairs(which: str) -> tuple[Pair, ...]:
-    """Return the pairs for `all`, `quick` or part of a name whose meshes are installed.
+    """Return the pairs with installed meshes for `all`, `quick` or part of a name.
 
     Raises:
         ValueError: no pair matches.

@@ -35,7 +35,7 @@ class DiscreteTask(Protocol):
         """Start and goal, (size,)."""
 
     def discrete_space(self) -> Any:
-        """Return a new space of OMPL whose steps have this resolution."""
+        """Return a new space of OMPL with steps of this resolution."""
 
     def steps(self, q0: Floats, q1: Floats, step: float) -> int:
         """Return a number of steps between states (size,) that are not longer than `step`."""

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int32_t sweep_limit = 64;  // faces; up to this many, every position is tried
 
-// Cost of testing a set of faces, in leaves: a half-filled leaf costs as much as a full one.
+// Cost of testing a set of faces, in leaves: a half-filled leaf has the cost of a full one.
 double leaf_count(int32_t faces) { return (faces + lanes - 1) / lanes; }
 
 struct Bounds {

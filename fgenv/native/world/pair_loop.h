@@ -21,7 +21,7 @@ struct CandidatePair {
 // Loop order for the pairs of a mover's parts with bodies that belong to no mover.
 enum class PairOrder : uint8_t { by_part, by_body };
 
-// Visits the pairs of parts of two movers whose boxes overlap. Stops when `visit` returns false, and returns false.
+// Visits the pairs of parts of two movers with overlapping boxes. Stops and returns false when `visit` does.
 template <class Mover, class Visit>
 bool World::pairs_between(const Mover& a, int32_t index_a, const Mover& b, int32_t index_b, const Visit& visit) const {
     for (const auto& p : a.parts)
