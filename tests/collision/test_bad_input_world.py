@@ -118,7 +118,7 @@ UNKNOWN: dict[str, tuple[Any, tuple[str, ...]]] = {
     "an id that is 2 in its lowest 32 bits": (2**32 + 2, (str(2**32 + 2), "ids")),
     "a name": ("unknown", ("unknown", "names")),
     "an empty name": ("", ("names",)),
-    "a name cut off by a NUL": ("crate\0", ("names",)),
+    "a name cut off by a NUL": ("crate\0", ("got 'crate",)),
 }
 NO_BODIES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "None": (None, ("expected", "None")),
