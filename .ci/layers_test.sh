@@ -17,5 +17,5 @@ plant() { # plant FILE IMPORT
 }
 plant fgenv/planners/problem.py fgenv.envs.simulator
 plant fgenv/envs/rewards.py fgenv.agents.policies.goto
-plant fgenv/robots/limits.py fgenv.robots.robot
+plant fgenv/robots/configuration_space.py fgenv.robots.robot
 echo 'three planted imports were refused'

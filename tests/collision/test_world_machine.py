@@ -17,6 +17,7 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 from oracles.world_model import Model, along, nudged, shapes, wander
+from support import CASES
 
 from fgenv.arrays import Floats
 from fgenv.collision.world import World
@@ -243,7 +244,7 @@ def test_long_lives() -> None:
     run_state_machine_as_test(
         WorldMachine,
         settings=settings(
-            max_examples=250,
+            max_examples=25 * CASES,
             stateful_step_count=60,
             suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
         ),

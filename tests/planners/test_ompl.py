@@ -346,7 +346,7 @@ def run_checks(n: int) -> None:
             si.checkMotion(a, b)
 
 
-@pytest.mark.parametrize("n", [50_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [50_000, pytest.param(1_000_000, marks=pytest.mark.nightly)])
 def test_checks_do_not_leak_memory(n: int) -> None:
     run_checks(2000)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
