@@ -60,7 +60,7 @@ def test_a_sound_file_has_no_problems(told: Callable[[str], list[str]]) -> None:
     ("old", "new", "expected"),
     [
         ("version: 1", "version: 2", "line 1: version: is 2; expected one of: 1"),
-        ("version: 1\n", "", "line 1: version: is missing; add it: Of this schema"),
+        ("version: 1\n", "", "line 1: version: is missing; add it: Version of this schema"),
         ("name: two", "nam: two", "line 2: nam: is no known key; did you mean 'name'?"),
         ("low: [-5", "low: [9", "line 3: workspace: low [9.0, -5.0] is not below high [5.0, 5.0]"),
         ("kind: disc", "kind: dics", "line 5: shapes.disc: kind 'dics' is unknown; did you mean"),
