@@ -1,5 +1,5 @@
 """
-fgenv's native core. Use fgenv.collision, which documents what is here.
+fgenv's native core. Use fgenv.collision, which documents its functions.
 """
 
 from collections.abc import Callable, Iterable, Sequence
