@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cxx=${CXX:-c++} out=build/fuzz
-flags=(-std=c++20 -O1 -g -Wall -Wextra -Wno-psabi -fno-omit-frame-pointer -fno-sanitize-recover=all
+flags=(-std=c++20 -O1 -g -Wall -Wextra -Wshadow -Wconversion -Werror -Wno-psabi -fno-omit-frame-pointer -fno-sanitize-recover=all
   -ffp-contract=off -fno-math-errno -fno-trapping-math -Ifgenv/native)
 mkdir -p "$out"
 

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cxx=${CXX:-c++} out=build/threads
-flags=(-std=c++20 -O1 -g -Wall -Wextra -Wno-psabi -fno-omit-frame-pointer -fsanitize=thread -pthread
+flags=(-std=c++20 -O1 -g -Wall -Wextra -Wshadow -Wconversion -Werror -Wno-psabi -fno-omit-frame-pointer -fsanitize=thread -pthread
   -ffp-contract=off -fno-math-errno -fno-trapping-math -Ifgenv/native)
 mkdir -p "$out"
 
