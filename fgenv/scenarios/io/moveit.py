@@ -1,6 +1,6 @@
 """Scenes and problems of MoveIt: planning scenes and motion plan requests as YAML.
 
->>> from fgenv.scenarios.moveit import load_problem, load_scene
+>>> from fgenv.scenarios.io.moveit import load_problem, load_scene
 >>> scene = load_scene("scene0001.yaml")                       # shapes and bodies
 >>> scenario = load_problem(scene, "request0001.yaml", urdf="panda.urdf", srdf="panda.srdf")
 
