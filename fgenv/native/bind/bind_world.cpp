@@ -152,10 +152,7 @@ Masks masks_of(const std::string& name) {
     fail("masks: got '" + name + "', expected path, published or off");
 }
 
-}  // namespace
-
-void bind_world(nb::module_& m) {
-    nb::class_<World> c(m, "World");
+void bind_bodies(nb::class_<World>& c) {
     c.def(
          "__init__", [](World* self, const std::string& masks) { new (self) World(masks_of(masks)); }, "masks"_a)
         .def("copy_from",
@@ -188,15 +185,18 @@ void bind_world(nb::module_& m) {
                 const auto lock = writing(w);
                 w.detach(body_of(w, a, "body"));
             },
-            "body"_a.none())
-        .def(
-            "allow",
-            [](World& w, nb::handle a, nb::handle b, bool allowed) {
-                const Asked first = asked(a, "a"), second = asked(b, "b");
-                const auto lock = writing(w);
-                w.allow(body_of(w, first, "a"), body_of(w, second, "b"), allowed);
-            },
-            "a"_a.none(), "b"_a.none(), "allowed"_a)
+            "body"_a.none());
+}
+
+void bind_masks(nb::class_<World>& c) {
+    c.def(
+         "allow",
+         [](World& w, nb::handle a, nb::handle b, bool allowed) {
+             const Asked first = asked(a, "a"), second = asked(b, "b");
+             const auto lock = writing(w);
+             w.allow(body_of(w, first, "a"), body_of(w, second, "b"), allowed);
+         },
+         "a"_a.none(), "b"_a.none(), "allowed"_a)
         .def(
             "allow_groups",
             [](World& w, const std::string& a, const std::string& b, bool allowed) {
@@ -224,8 +224,16 @@ void bind_world(nb::module_& m) {
                 const auto lock = reading(w);
                 return w.own_bit(robot_of(w, a));
             },
-            "robot"_a.none())
-        .def("masks", [](const World& w) { return w.masks_name(); })
+            "robot"_a.none());
+}
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+    nb::class_<World> c(m, "World");
+    bind_bodies(c);
+    bind_masks(c);
+    c.def("masks", [](const World& w) { return w.masks_name(); })
         .def("tests", [](const World& w) { return w.tests(); })
         .def("nbytes",
              [](const World& w) {
