@@ -12,7 +12,7 @@ stdcpp=$("$compiler" -print-file-name=libstdc++.so.6)
 
 rm -rf .venv-asan
 python3 -m venv .venv-asan
-packages=$(.venv-dev/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+packages=$(.venv-dev/bin/python -c 'import sys; print(*(p for p in sys.path if "site-packages" in p), sep="\n")')
 echo "$packages" >"$(.venv-asan/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/borrowed.pth"
 .venv-asan/bin/pip install -q --no-deps . \
   --config-settings=build-dir=build/sanitize \

@@ -248,8 +248,8 @@ BAD_POSES: dict[str, tuple[Any, str]] = {
     "one": (np.eye(4), r"poses: got shape \(4, 4\), expected \(1, 4, 4\)"),
     "two": (np.tile(np.eye(4), (2, 1, 1)), r"poses: got shape \(2, 4, 4\), expected \(1, 4, 4\)"),
     "positions": (np.zeros((1, 3)), "poses"),
-    "NaN": (np.where(HERE == 1, np.nan, HERE), r"poses\[0\] has an entry that is not finite"),
-    "scaled": (HERE * (2, 2, 2, 1), r"poses\[0\] is scaled"),
+    "NaN": (np.where(HERE == 1, np.nan, HERE), r"poses\[0\]: got an entry that is not finite"),
+    "scaled": (HERE * (2, 2, 2, 1), r"poses\[0\]: got a scaled"),
 }
 
 
