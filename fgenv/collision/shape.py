@@ -80,10 +80,11 @@ class Shape(_core.Shape):
         """
         from .mesh_files import read_mesh_file
 
-        vertices, faces = read_mesh_file(Path(path), scale)
-        label = Path(path).stem if name is None else name
+        mesh = read_mesh_file(Path(path), scale)
+        options: dict[str, Any] = {"tolerance": tolerance, "angle": angle}
+        options["name"] = Path(path).stem if name is None else name
         try:
-            return cls(vertices, faces, method, tolerance=tolerance, angle=angle, name=label)
+            return cls(mesh.vertices, mesh.faces, method, **options)
         except ValueError as error:
             if str(error).startswith(("vertices", "faces")):
                 raise ValueError(f"{path}: {error}") from None

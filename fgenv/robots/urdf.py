@@ -124,11 +124,10 @@ class Reader:
                     f"{self.path}: link {link!r}: mesh scale: got {mesh.scale}, expected"
                     " numbers but 0"
                 )
-            vertices, faces = read_mesh_file(file)
-            if np.prod(scale) < 0:
-                faces = faces[:, ::-1]
-            size = self.scale * scale * unit_length(file)
-            self.meshes[key] = Shape(vertices * size, faces, name=file.stem, **self.shape_options)
+            mesh_data = read_mesh_file(file, self.scale)
+            faces = mesh_data.faces[:, ::-1] if np.prod(scale) < 0 else mesh_data.faces
+            vertices = mesh_data.vertices * scale * unit_length(file)
+            self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
         return self.meshes[key]
 
 

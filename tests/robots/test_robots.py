@@ -87,7 +87,7 @@ def test_links_of_real_robots_agree_with_pinocchio(path: str) -> None:
         np.testing.assert_allclose(robot.forward(q), other.forward(q), rtol=0, atol=1e-9)
 
 
-BROKEN = {"alex_psyonic_hands.urdf": "no such joint", "ur3.urdf": "has no name"}
+BROKEN = {"alex_psyonic_hands.urdf": "no such joint", "ur3.urdf": "got no name"}
 
 
 @pytest.mark.slow

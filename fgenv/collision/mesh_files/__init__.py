@@ -1,20 +1,27 @@
-"""Mesh files, read with trimesh but without its repairs."""
+"""Mesh files, read as they specify: one module per format, and one interface (`content`)."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .feature_graph import is_number
+from fgenv.collision.feature_graph import is_number
+
+from .content import FileMesh, MeshSource, Unit
+
+__all__ = ["FileMesh", "MeshSource", "Unit", "read_mesh_file"]
+
+READERS: Mapping[str, Callable[[MeshSource], FileMesh]] = {}
 
 
-def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (n, 3) in meters and faces (m, 3) of a mesh file.
+def read_mesh_file(path: Path, scale: float = 1.0) -> FileMesh:
+    """Read a mesh file; vertices are in meters, multiplied by scale after the file's unit.
 
-    Axes are not converted: a COLLADA or GLB file keeps its own up axis.
+    Axes are not converted: `FileMesh.up` is the up axis that the file states.
 
     Raises:
         FileNotFoundError: no such file.
@@ -27,7 +34,16 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
         raise FileNotFoundError(f"path: {path} {what}, expected a mesh file")
     if path.stat().st_size == 0:
         raise ValueError(f"path: {path} is empty, expected a mesh file")
+    suffix = path.suffix.lower()
+    if suffix in READERS:
+        mesh = READERS[suffix](MeshSource(path, suffix, path.read_bytes()))
+    else:
+        mesh = _read_by_trimesh(path)
+    factor = scale * (1.0 if mesh.unit is None else mesh.unit.meters)
+    return mesh if factor == 1.0 else replace(mesh, vertices=mesh.vertices * factor)
 
+
+def _read_by_trimesh(path: Path) -> FileMesh:
     import trimesh
 
     known = sorted(trimesh.available_formats())
@@ -42,4 +58,4 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> tuple[NDArray[np.float64],
     faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)
     if faces.size == 0:
         raise ValueError(f"path: {path} has no faces, expected a triangle mesh")
-    return vertices * scale, faces
+    return FileMesh(path.suffix.lower().lstrip(".").upper(), vertices, faces)

@@ -1,0 +1,63 @@
+"""Interface of the readers of mesh files: the bytes of a file, and the mesh in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from fgenv.arrays import Faces, Vertices
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of length that a file states, or that its format implies."""
+
+    name: str
+    meters: float  # per unit
+
+
+@dataclass(frozen=True)
+class MeshSource:
+    """The content of a mesh file.
+
+    Attributes:
+        path: the file, for messages and for files that it refers to.
+        suffix: lower case, with its dot, of the mesh itself: `.stl` for `part.STL.gz`.
+        data: the bytes, unpacked.
+    """
+
+    path: Path
+    suffix: str
+    data: bytes
+
+    def fail(self, received: str, expected: str, *, line: int | None = None) -> NoReturn:
+        """Raise the one ValueError of unreadable content: where, what came, what is expected."""
+        at = "" if line is None else f" line {line}:"
+        raise ValueError(f"path: {self.path}:{at} got {received}, expected {expected}")
+
+
+@dataclass(frozen=True)
+class FileMesh:
+    """The triangles that a mesh file specifies.
+
+    Attributes:
+        format: e.g. "binary STL".
+        vertices: (n, 3), in the unit of the file, placed as its scene places them.
+        faces: (m, 3), indices of vertices, counter-clockwise seen from outside.
+        unit: of lengths; None if the format has none, which means meters.
+        up: the up axis that the file states ("x", "y" or "z"); None if the format has none. Axes
+            are never converted.
+        polygons: number of faces with more than three corners, which were triangulated.
+        nonplanar: number of those whose corners are not in one plane.
+        notes: sentences on anything else that the file has and the mesh does not.
+    """
+
+    format: str
+    vertices: Vertices
+    faces: Faces
+    unit: Unit | None = None
+    up: str | None = None
+    polygons: int = 0
+    nonplanar: int = 0
+    notes: tuple[str, ...] = ()
