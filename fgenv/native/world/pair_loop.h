@@ -32,15 +32,17 @@ bool World::pairs_between(const Mover& a, int32_t index_a, const Mover& b, int32
     return true;
 }
 
-// Visits the pairs of a mover's parts and bodies; box_of(body) returns a box that encloses the body's motion.
-template <class Mover, class BoxOf, class Visit>
-bool World::pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, PairOrder order,
-                              const BoxOf& box_of, const Visit& visit) const {
+// Visits the pairs of a mover's parts and bodies, except those of which `skips` is true; box_of(body) returns a box
+// that encloses the body's motion.
+template <class Mover, class Skips, class BoxOf, class Visit>
+bool World::pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, const Skips& skips,
+                              PairOrder order, const BoxOf& box_of, const Visit& visit) const {
     using Pair = CandidatePair<typename Mover::Part>;
     if (order == PairOrder::by_body) {
         for (BodyId id : bodies) {
             const Body& other = body(id);
-            const Box box = box_of(other);
+            if (skips(other)) continue;
+            const Box& box = box_of(other);
             for (const auto& part : mover.parts)
                 if (overlap(part.box, box) && !ignores(*part.body, other) &&
                     !visit(Pair{&part, nullptr, &other, index, -1}))
@@ -51,7 +53,7 @@ bool World::pairs_with_bodies(const Mover& mover, int32_t index, std::span<const
     for (const auto& part : mover.parts)
         for (BodyId id : bodies) {
             const Body& other = body(id);
-            if (!ignores(*part.body, other) && overlap(part.box, box_of(other)) &&
+            if (!skips(other) && !ignores(*part.body, other) && overlap(part.box, box_of(other)) &&
                 !visit(Pair{&part, nullptr, &other, index, -1}))
                 return false;
         }
@@ -64,9 +66,9 @@ template <class Mover, class BoxOf, class Visit>
 bool World::for_each_pair(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
                           const BoxOf& box_of, const Visit& visit) const {
     std::vector<BodyId> found;
-    const auto is_part = [&](BodyId id) {
-        const BodyId root = body(id).root;
-        return std::any_of(movers.begin(), movers.end(), [&](const Mover& m) { return m.robot->id == root; });
+    const auto is_part = [&](const Body& b) {
+        return !bodies &&
+               std::any_of(movers.begin(), movers.end(), [&](const Mover& m) { return m.robot->id == b.root; });
     };
     for (int32_t m = 0; m < static_cast<int32_t>(movers.size()); ++m) {
         const Mover& mover = movers[m];
@@ -75,11 +77,8 @@ bool World::for_each_pair(std::span<const Mover> movers, const std::vector<BodyI
                 !visit(
                     CandidatePair<typename Mover::Part>{&mover.parts[i], &mover.parts[j], mover.parts[j].body, m, m}))
                 return false;
-        if (!bodies) {
-            candidates(*mover.robot, mover.around, found);
-            found.erase(std::remove_if(found.begin(), found.end(), is_part), found.end());
-        }
-        if (!pairs_with_bodies(mover, m, bodies ? *bodies : found, order, box_of, visit)) return false;
+        if (!bodies) candidates(*mover.robot, mover.around, found);
+        if (!pairs_with_bodies(mover, m, bodies ? *bodies : found, is_part, order, box_of, visit)) return false;
         for (int32_t k = m + 1; k < static_cast<int32_t>(movers.size()); ++k)
             if (overlap(mover.around, movers[k].around) && !pairs_between(mover, m, movers[k], k, visit)) return false;
     }

@@ -261,9 +261,9 @@ private:
     SweptMover swept(const Body& robot, const Place& from, const Place& to, double margin) const;
     template <class Mover, class Visit>
     bool pairs_between(const Mover& a, int32_t index_a, const Mover& b, int32_t index_b, const Visit& visit) const;
-    template <class Mover, class BoxOf, class Visit>
-    bool pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, PairOrder order,
-                           const BoxOf& box_of, const Visit& visit) const;
+    template <class Mover, class Skips, class BoxOf, class Visit>
+    bool pairs_with_bodies(const Mover& mover, int32_t index, std::span<const BodyId> bodies, const Skips& skips,
+                           PairOrder order, const BoxOf& box_of, const Visit& visit) const;
     template <class Mover, class BoxOf, class Visit>
     bool for_each_pair(std::span<const Mover> movers, const std::vector<BodyId>* bodies, PairOrder order,
                        const BoxOf& box_of, const Visit& visit) const;
