@@ -15,7 +15,7 @@ def overrides_from(
     robots: int | None, size: float | None, settings: list[str] | None
 ) -> dict[str, Any]:
     """Return the overrides of --n, --size and --set; values of --set are parsed as YAML."""
-    import yaml
+    from fgenv.scenarios.yaml_core import load_value
 
     options = (("n", robots), ("size", size))
     overrides: dict[str, Any] = {key: value for key, value in options if value is not None}
@@ -24,10 +24,9 @@ def overrides_from(
         if not equals:
             raise ValueError(f"--set: got {setting!r}, expected KEY=VALUE, such as jitter=0.1")
         try:
-            overrides[key.strip()] = yaml.safe_load(text)
-        except yaml.YAMLError:
-            expected = "a number or a word as VALUE"
-            raise ValueError(f"--set: got {setting!r}, expected {expected}") from None
+            overrides[key.strip()] = load_value(text)
+        except ValueError as error:
+            raise ValueError(f"--set {key.strip()}: {error}") from None
     return overrides
 
 

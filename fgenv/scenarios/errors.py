@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,27 +47,34 @@ class ScenarioError(ValueError):
         return type(self), (self.source, self.problems)
 
 
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 60
+
+
 def short(value: Any) -> str:
-    """The representation of a value, cut to 60 characters."""
-    try:
-        text = repr(value)
-    except RecursionError:
-        text = type(value).__name__
-    return text if len(text) <= 60 else text[:57] + "..."
+    """The representation of a value, cut to 60 characters; the time does not depend on its size."""
+    return cut(_SHORT.repr(value), 60)
+
+
+def cut(text: str, length: int = 100) -> str:
+    """A text in one line, of at most this length."""
+    text = " ".join(text[: 2 * length].split())
+    return text if len(text) <= length else text[: length - 3] + "..."
 
 
 def path_text(location: Sequence[str | int]) -> str:
     """robots[3].start for ('robots', 3, 'start')."""
     text = ""
     for step in location:
-        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else str(step)
+        name = cut(str(step), 60)
+        text += f"[{name}]" if isinstance(step, int) else f".{name}" if text else name
     return text
 
 
 def near(word: object, known: Iterable[str]) -> str:
     """A remedy: 'did you mean ...?', or the list of the known names."""
     names = list(known)
-    close = difflib.get_close_matches(str(word), names, n=3, cutoff=0.6)
+    close = difflib.get_close_matches(cut(str(word), 200), names, n=3, cutoff=0.6)
     if close:
         return f"did you mean {' or '.join(map(repr, close))}?"
     shown = ", ".join(names[:30]) + (", ..." if len(names) > 30 else "")

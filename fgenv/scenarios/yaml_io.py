@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,30 +10,24 @@ from typing import Any, TypeVar
 
 import yaml
 
-from .errors import Problem, ScenarioError
+from .errors import Problem, ScenarioError, cut
 from .schema import ScenarioSpec
 from .shapes.bodies import MeshFile
+from .yaml_core import (
+    AMBIGUOUS,
+    DIFFERENCE,
+    TEXT,
+    Loader,
+    check_aliases,
+    implicit_resolvers,
+    remedy_of,
+    single_document,
+)
 
 LONGEST = 50_000_000  # characters of a file
 WIDTH = 100
 Location = Sequence[str | int]
 AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
-
-
-class Loader(yaml.SafeLoader):
-    """Loads plain values; 1e-3 is a number, as in YAML 1.2."""
-
-
-class FastLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """The same for large files: uses libyaml if PyYAML has it."""
-
-
-for _loader in (Loader, FastLoader):
-    _loader.add_implicit_resolver(
-        "tag:yaml.org,2002:float",
-        re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
-        list("-+.0123456789"),
-    )
 
 
 @dataclass(frozen=True)
@@ -68,9 +61,13 @@ def read(path: Path, loader: type[Any] = Loader) -> Document:
         loader: `Loader` or `FastLoader`.
 
     Raises:
-        ScenarioError: not text, or not YAML; with the line.
+        ScenarioError: not a regular file, too large, not text, or not YAML; with the line.
         OSError: the file cannot be opened.
     """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise ScenarioError(path, [Problem("is no regular file", "copy its content to a file")])
+    if path.is_file() and path.stat().st_size > 4 * LONGEST:  # of UTF-8
+        raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -84,29 +81,53 @@ def parse(text: str, path: Path, loader: type[Any] = Loader) -> Document:
     """Parse text; `path` is for messages."""
     if len(text) > LONGEST:
         raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
-    reader = loader(text)
+    reader = None
     try:
-        root = reader.get_single_node()
+        reader = loader(text)
+        root = single_document(reader)
+        if root is not None and "*" in text:
+            check_aliases(root)
         data = None if root is None else reader.construct_document(root)
-        return Document(data, root, tuple(repeated(root)))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        what = f"is not YAML: {error.problem or error.context}"
-        raise ScenarioError(
-            path, [Problem(what, "see the YAML", line=mark.line + 1 if mark else None)]
-        ) from None
+        problem = _not_yaml(error.problem or error.context, mark.line + 1 if mark else None)
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
-        reason = str(error) or type(error).__name__
-        what = f"is not YAML: {reason.splitlines()[0]}"
-        raise ScenarioError(path, [Problem(what, "write plain YAML")]) from None
+        problem = _not_yaml(str(error) or type(error).__name__, None)
     except RecursionError:
-        raise ScenarioError(path, [Problem("is nested too deep", "write plain YAML")]) from None
+        problem = Problem("is nested too deep", "write plain YAML")
+    else:
+        if ambiguous := ambiguities(root):
+            raise ScenarioError(path, ambiguous)
+        return Document(data, root, tuple(repeated(root)))
     finally:
-        reader.dispose()
+        if reader is not None:
+            reader.dispose()
+    raise ScenarioError(path, [problem])
+
+
+def _not_yaml(reason: object, line: int | None) -> Problem:
+    return Problem(f"is not YAML: {cut(str(reason).splitlines()[0])}", "see the YAML", line=line)
+
+
+def ambiguities(root: yaml.Node | None) -> list[Problem]:
+    """Plain values that YAML 1.1 and YAML 1.2 read differently."""
+    stack, seen, found = [root], set(), []
+    while stack:
+        node = stack.pop()
+        if isinstance(node, yaml.ScalarNode):
+            if node.tag == AMBIGUOUS:
+                found.append(node)
+        elif node is not None and id(node) not in seen:
+            seen.add(id(node))
+            pairs = isinstance(node, yaml.MappingNode)
+            stack += [part for pair in node.value for part in pair] if pairs else node.value
+    lines = sorted({(node.start_mark.line + 1, node.value) for node in found})
+    return [Problem(f"got {cut(value)}, which {DIFFERENCE}", remedy_of(value), line=line)
+            for line, value in lines]  # fmt: skip
 
 
 def repeated(root: yaml.Node | None) -> list[Problem]:
-    """Repeated keys of a mapping, of which YAML would silently keep the last."""
+    """Repeated keys of a mapping, of which YAML would silently keep the last, and keys not text."""
     found, stack, seen = [], [root], set()
     while stack:
         node = stack.pop()
@@ -118,12 +139,14 @@ def repeated(root: yaml.Node | None) -> list[Problem]:
             continue
         keys: dict[str, int] = {}
         for key, value in node.value:
-            line = key.start_mark.line + 1
-            if str(key.value) in keys and isinstance(key, yaml.ScalarNode):
-                first = keys[str(key.value)]
-                found.append(Problem(f"stands twice, first in line {first}", "keep one",
-                                     where=str(key.value), line=line))  # fmt: skip
-            keys[str(key.value)] = line
+            line, name = key.start_mark.line + 1, str(key.value)
+            if key.tag != TEXT:
+                problem = Problem("is no text, expected a name as key", "quote it", cut(name), line)
+                found.append(problem)
+            elif name in keys:
+                text = f"stands twice, first in line {keys[name]}"
+                found.append(Problem(text, "keep one", cut(name), line))
+            keys[name] = line
             stack.append(value)
     return found
 
@@ -167,7 +190,12 @@ class Block(dict[str, Any]):
 
 
 class Dumper(yaml.SafeDumper):
-    """Writes collections of plain values in one line, others in several."""
+    """Writes collections of plain values in one line, others in several.
+
+    Text that a reader of YAML 1.1 or 1.2 could take for another value is quoted.
+    """
+
+    yaml_implicit_resolvers = implicit_resolvers(yaml.SafeDumper)
 
     def ignore_aliases(self, data: Any) -> bool:
         """Anchors are hard to read."""

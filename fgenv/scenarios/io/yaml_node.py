@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from fgenv.scenarios.errors import Location, Problem, ScenarioError, path_text, short
-from fgenv.scenarios.yaml_io import Document, FastLoader, parse, read
+from fgenv.scenarios.yaml_core import FastLoader
+from fgenv.scenarios.yaml_io import Document, parse, read
 
 Numbers = tuple[float, ...]
 MOST, LONGEST = 1e6, 80  # of numbers, and of names
