@@ -17,6 +17,7 @@ from .certificate import Certificate, certify
 from .errors import PlanningError
 from .limits import path_fault
 from .methods import LEAST_TIME, METHODS, TimedPaths
+from .multi.composite import PLANNERS
 from .plan import Plan, padded
 from .problem import Problem
 
@@ -25,7 +26,7 @@ EXTRA_MARGINS = (0.0, 0.005, 0.02)  # m; added in later attempts if the timed pa
 
 def plan(
     scenario: str | Path | Scenario | Problem,
-    planner: str = "RRTConnect",
+    planner: str | None = None,
     time_limit: float = 10.0,
     seed: int = 0,
     simplify: bool = True,
@@ -42,15 +43,16 @@ def plan(
 
     Args:
         scenario: a Scenario, its name or its file.
-        planner: OMPL planner of the searches in joint spaces, see `fgenv.planners.PLANNERS`.
+        planner: OMPL planner of the method `composite`, see `fgenv.planners.PLANNERS`; RRTConnect
+            by default. The other methods search roadmaps of their own.
         time_limit: seconds.
         seed: of the search, and of a built-in scenario that is given by its name. The same seed
             gives the same plan, unless time runs out.
-        simplify: shorten the planner's path, and check it again.
+        simplify: shorten the planner's path, and check it again; False only with `composite`.
         method: `composite`, `prioritized` or `conflict_based`; by default composite for one robot,
             prioritized for more.
         margin: meters that robots keep from all bodies and from each other.
-        objective: `length`, `clearance` or `time`, for an optimizing planner.
+        objective: `length`, `clearance` or `time`, for an optimizing planner of `composite`.
         overrides: for `Scenario.load`.
 
     Raises:
@@ -64,9 +66,9 @@ def plan(
         raise ValueError(f"method: got {method!r}, which is unknown; {near(method, METHODS)}")
     if not 0 < time_limit < math.inf:
         raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
+    options = _search_options(method, planner, simplify, objective)
     problem.check()
     began = time.perf_counter()
-    options = {"planner": planner, "simplify": simplify, "objective": objective}
     found, configurations, certificate = _certified(problem, method, time_limit, options)
     for i, q in enumerate(configurations):
         wrong = path_fault(problem, i, q)
@@ -77,11 +79,28 @@ def plan(
         configurations,
         tuple(found.waypoints),
         method,
-        planner,
+        options["planner"],
         problem.seed,
         certificate,
         json.loads(json.dumps({**found.facts, "seconds": time.perf_counter() - began})),
     )
+
+
+def _search_options(
+    method: str, planner: str | None, simplify: bool, objective: str | None
+) -> dict[str, Any]:
+    """Return the options of `plan_composite`; raise ValueError for one without effect."""
+    if method != "composite":
+        options = (("planner", planner, None), ("simplify", simplify, True))
+        for name, value, default in (*options, ("objective", objective, None)):
+            if value != default:
+                raise ValueError(
+                    f"{name}: got {value!r} with the method {method!r}, which does not use it;"
+                    " leave it out, or use method='composite'"
+                )
+    if planner is not None and planner not in PLANNERS:
+        raise ValueError(f"planner: got {planner!r}, which is unknown; {near(planner, PLANNERS)}")
+    return {"planner": planner or "RRTConnect", "simplify": simplify, "objective": objective}
 
 
 def _certified(

@@ -15,6 +15,7 @@ from fgenv.agents.weights import included
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
 from fgenv.envs.observations import Part
+from fgenv.scenarios.errors import near
 
 Sizes = Sequence[tuple[str, int]]
 
@@ -131,4 +132,9 @@ def mlp(argument: str, seed: int) -> NetworkPolicy:
     if not argument:
         names = ", ".join(f"mlp:{name}" for name in files)
         raise ValueError(f"policy: got 'mlp:', expected mlp:FILE or an included policy: {names}")
+    if argument not in files and not Path(argument).suffix:
+        raise ValueError(
+            f"policy: got 'mlp:{argument}', which is no included policy; {near(argument, files)}"
+            " (a file ends in .npz)"
+        )
     return NetworkPolicy.load(files.get(argument, argument))

@@ -51,7 +51,7 @@ class PlanPolicy(BasePolicy):
     def __init__(
         self,
         method: str | None = None,
-        planner: str = "RRTConnect",
+        planner: str | None = None,
         *,
         plan: Plan | str | Path | None = None,
         seed: int = 0,

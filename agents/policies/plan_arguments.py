@@ -8,17 +8,22 @@ from fgenv.planners import METHODS, PLANNERS, PlanningError
 from fgenv.scenarios.errors import near
 
 
-def method_and_planner(argument: str) -> tuple[str | None, str]:
+def method_and_planner(argument: str) -> tuple[str | None, str | None]:
     """Return method and planner of METHOD[:PLANNER]; each may be empty.
 
     Raises:
-        ValueError: unknown method or planner.
+        ValueError: unknown method or planner, or a planner of another method than composite.
     """
     method, _, planner = argument.partition(":")
     for kind, name, known in (("method", method, METHODS), ("planner", planner, PLANNERS)):
         if name and name not in known:
             raise ValueError(f"{kind}: got {name!r}, which is unknown; {near(name, known)}")
-    return method or None, planner or "RRTConnect"
+    if method not in ("", "composite") and planner:
+        raise ValueError(
+            f"planner: got {planner!r} with the method {method!r}, which does not use it; expected"
+            " composite:PLANNER"
+        )
+    return method or None, planner or None
 
 
 def check_plan(course: ExecutablePlan, view: View, world: int) -> None:

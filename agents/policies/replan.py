@@ -63,7 +63,7 @@ class ReplanPolicy(PlanPolicy):
     def __init__(
         self,
         method: str | None = None,
-        planner: str = "RRTConnect",
+        planner: str | None = None,
         *,
         replan_time_limit: float = 3.0,
         **options: Any,

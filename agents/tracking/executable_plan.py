@@ -91,7 +91,7 @@ def at_goal(model: Robot, spec: RobotSpec, q: Floats, goal: Floats) -> NDArray[n
 def plan_executable(
     scenario: Scenario,
     method: str | None = None,
-    planner: str = "RRTConnect",
+    planner: str | None = None,
     *,
     seed: int = 0,
     time_limit: float = 10.0,

@@ -1,4 +1,6 @@
-"""Tab completion of names on the command line."""
+"""Names that the command line completes and checks."""
+
+from collections.abc import Iterable
 
 
 def scenario_names(incomplete: str) -> list[str]:
@@ -15,14 +17,36 @@ def policy_names(incomplete: str) -> list[str]:
     return [name for name in registered() if name.startswith(incomplete)]
 
 
-def method_names(incomplete: str) -> list[str]:
-    """Return the planning methods that begin with a text."""
+def methods() -> Iterable[str]:
+    """Return the planning methods."""
     from fgenv.planners.methods import METHODS
 
-    return [name for name in METHODS if name.startswith(incomplete)]
+    return METHODS
 
 
-def plot_kinds(incomplete: str) -> list[str]:
-    """Return the kinds of plots that begin with a text."""
-    kinds = ("clearance", "masks", "space-time", "learning")
-    return [kind for kind in kinds if kind.startswith(incomplete)]
+def planners() -> Iterable[str]:
+    """Return the planners of OMPL that the method composite uses."""
+    from fgenv.planners import PLANNERS
+
+    return PLANNERS
+
+
+def objectives() -> Iterable[str]:
+    """Return the objectives of the optimizing planners."""
+    from fgenv.planners.ompl.objectives import OBJECTIVES
+
+    return OBJECTIVES
+
+
+def cameras() -> Iterable[str]:
+    """Return the cameras of movies and pictures."""
+    from fgenv.view.figures.camera_path import CAMERAS
+
+    return CAMERAS
+
+
+def plot_kinds() -> Iterable[str]:
+    """Return the kinds of plots."""
+    from fgenv.view.figures.record_plots import KINDS
+
+    return (*KINDS, "learning")

@@ -13,6 +13,7 @@ from fgenv.cli.completion import policy_names, scenario_names
 from fgenv.cli.files import check_target
 from fgenv.cli.options import (
     PLOT_SUFFIXES,
+    POLICY_HELP,
     Jobs,
     Json,
     Robots,
@@ -37,7 +38,7 @@ Policies = Annotated[
     list[str] | None,
     typer.Option(
         "--policy",
-        help="Policy; repeat it to compare several.",
+        help=f"{POLICY_HELP}; repeat the option to compare several.",
         show_default="goto",
         autocompletion=policy_names,
     ),
@@ -78,8 +79,10 @@ def evaluate(
 
     console = Console(stderr=as_json, highlight=False)
     check_targets(csv, plot)
-    names = tuple(dict.fromkeys(policy or ["goto"]))
+    names = tuple(policy or ["goto"])
     for name in names:  # raises the error of an unknown policy before the cases are made
+        if names.count(name) > 1:
+            raise ValueError(f"--policy: got {name!r} twice, expected each policy once")
         policy_of(name, seed)
     frozen_set = frozen_set_of(scenario, cases, overrides_from(n, size, set), console)
     result, began = Evaluation(frozen_set, names), time.perf_counter()

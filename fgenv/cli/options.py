@@ -1,5 +1,6 @@
 """Options and arguments that several commands share."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +12,44 @@ from fgenv.cli.completion import policy_names, scenario_names
 def file_option(name: str, text: str, panel: str | None = None, **more: Any) -> Any:
     """Return an option for a file to write."""
     return typer.Option(name, dir_okay=False, help=text, rich_help_panel=panel, **more)
+
+
+def choice_option(name: str, text: str, choices: Callable[[], Iterable[str]], **more: Any) -> Any:
+    """Return an option with one of the choices: they are completed, and others are refused."""
+
+    def complete(incomplete: str) -> list[str]:
+        return [choice for choice in choices() if choice.startswith(incomplete)]
+
+    def check(value: str | None) -> str | None:
+        if value is not None:
+            check_choice(name, value, choices())
+        return value
+
+    more |= {"autocompletion": complete, "callback": check}
+    return typer.Option(name, help=text, **more)
+
+
+def check_choice(name: str, value: str, choices: Iterable[str]) -> None:
+    """Raise ValueError, with the nearest choice, unless an option's value is one of them."""
+    from fgenv.scenarios.errors import near
+
+    names = list(choices)
+    if value not in names:
+        raise ValueError(f"{name}: got {value!r}; {near(value, names)}")
+
+
+def is_given(context: typer.Context, parameter: str) -> bool:
+    """Return whether the command line has an option, by the name of its parameter."""
+    source = context.get_parameter_source(parameter)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def refuse_options(context: typer.Context, parameters: Iterable[str], reason: str) -> None:
+    """Raise ValueError if the command line has one of these options."""
+    for parameter in parameters:
+        if is_given(context, parameter):
+            option = parameter.removeprefix("as_").replace("_", "-")
+            raise ValueError(f"--{option}: {reason}")
 
 
 PLOT_SUFFIXES = "(.png, .svg, .pdf)"
@@ -35,9 +74,14 @@ Recorded = Annotated[
 Robots = Annotated[int | None, typer.Option("--n", min=1, help=ROBOTS_HELP)]
 Size = Annotated[float | None, typer.Option("--size", help=SIZE_HELP)]
 Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help=SET_HELP)]
+POLICY_HELP = (
+    "Policy: goto, random, rest, orca, orca:shortest, plan[:METHOD[:PLANNER]], plan:FILE.npz,"
+    " replan[:METHOD[:PLANNER]], mlp:NAME (an included network), mlp:FILE.npz, sb3:FILE.zip,"
+    " safe:POLICY (behind a safety filter), FILE.py:NAME (a class or function of your own)"
+)
 PolicyName = Annotated[
     str,
-    typer.Option("--policy", help="Policy, as in fgenv run.", autocompletion=policy_names),
+    typer.Option("--policy", help=f"{POLICY_HELP}.", autocompletion=policy_names),
 ]
 Seed = Annotated[
     int,

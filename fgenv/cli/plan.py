@@ -10,16 +10,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.completion import method_names, scenario_names
+from fgenv.cli.completion import methods, objectives, planners, scenario_names
 from fgenv.cli.errors import fail_check
 from fgenv.cli.files import check_target
-from fgenv.cli.options import Json, Robots, Seed, Settings, Size, file_option
+from fgenv.cli.options import (
+    Json,
+    Robots,
+    Seed,
+    Settings,
+    Size,
+    choice_option,
+    file_option,
+    refuse_options,
+)
 from fgenv.cli.scenario_options import load_scenario, overrides_from
 
 if TYPE_CHECKING:
     from fgenv.scenarios import Scenario
 
-OBJECTIVES = ("length", "clearance", "time")
 OWN = {"rich_help_panel": "Your own mesh"}
 
 OptionalScenario = Annotated[
@@ -31,15 +39,22 @@ OptionalScenario = Annotated[
 ]
 Method = Annotated[
     str | None,
-    typer.Option(
+    choice_option(
         "--method",
-        help="Method: composite, prioritized or conflict_based.",
+        "Method: composite, prioritized or conflict_based.",
+        methods,
         show_default="composite for one robot, prioritized for more",
-        autocompletion=method_names,
     ),
 ]
 Planner = Annotated[
-    str, typer.Option("--planner", help="Planner of OMPL: RRTConnect, PRM, BITstar...")
+    str | None,
+    choice_option(
+        "--planner",
+        "Planner of OMPL, for the method composite: RRT, RRTConnect, RRTstar, InformedRRTstar,"
+        " SORRTstar, AORRTC, BITstar, PRM, PRMstar, FMT, BFMT, KPIECE1, BKPIECE1 or LBKPIECE1.",
+        planners,
+        show_default="RRTConnect",
+    ),
 ]
 TimeLimit = Annotated[float, typer.Option("--time-limit", help="Time limit in seconds.")]
 Margin = Annotated[
@@ -47,7 +62,12 @@ Margin = Annotated[
 ]
 Objective = Annotated[
     str | None,
-    typer.Option("--objective", help="Objective: length, clearance or time.", show_default="none"),
+    choice_option(
+        "--objective",
+        "Objective of an optimizing planner: length, clearance or time.",
+        objectives,
+        show_default="none",
+    ),
 ]
 Simplify = Annotated[bool, typer.Option("--simplify/--no-simplify", help="Shorten the paths.")]
 Out = Annotated[Path | None, file_option("--out", "Write the plan (.npz).")]
@@ -69,7 +89,7 @@ def plan(
     context: typer.Context,
     scenario: OptionalScenario = None,
     method: Method = None,
-    planner: Planner = "RRTConnect",
+    planner: Planner = None,
     n: Robots = None,
     size: Size = None,
     set: Settings = None,
@@ -100,12 +120,9 @@ def plan(
     from fgenv.planners.planning import plan as plan_all
 
     check_target(out, "--out", ".npz")
-    if objective is not None and objective not in OBJECTIVES:
-        raise ValueError(f"--objective: got {objective!r}, expected {', '.join(OBJECTIVES)}")
     overrides = overrides_from(n, size, set)
     if mesh is None:
-        if world or start or goal:
-            raise ValueError("--world, --start and --goal: expected with --mesh")
+        refuse_options(context, ("world", "start", "goal", "scale"), "expected with --mesh")
         problem = load_scenario(context, scenario, overrides, seed)
     else:
         if scenario or overrides:

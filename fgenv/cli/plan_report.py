@@ -72,15 +72,21 @@ def describe(certificate: Certificate, dt: float) -> str:
 
 
 def plan_data(plan: Plan, written: list[str]) -> dict[str, Any]:
-    """Return the report for JSON, in meters and seconds; `facts.seconds` is computing time."""
+    """Return the report for JSON, in meters and seconds; `facts.seconds` is computing time.
+
+    `configurations` of a robot (steps + 1, nq) are `dt` apart; it moves straight between them.
+    """
     names = [robot.name for robot in plan.scenario.robots]
-    rows = zip(names, plan.arrivals, plan.lengths, strict=True)
+    rows = zip(names, plan.arrivals, plan.lengths, plan.configurations, strict=True)
     return {
         "scenario": plan.scenario.name,
         "seed": plan.seed,
         "method": plan.method,
         "planner": plan.planner,
-        "robots": [{"name": n, "arrival": a, "path_length": length} for n, a, length in rows],
+        "robots": [
+            {"name": n, "arrival": a, "path_length": length, "configurations": q.tolist()}
+            for n, a, length, q in rows
+        ],
         "makespan": plan.makespan,
         "sum_of_costs": plan.sum_of_costs,
         "dt": plan.dt,

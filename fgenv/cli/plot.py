@@ -9,7 +9,7 @@ import typer
 
 from fgenv.cli.completion import plot_kinds
 from fgenv.cli.files import echo_written
-from fgenv.cli.options import PLOT_SUFFIXES, file_option
+from fgenv.cli.options import PLOT_SUFFIXES, choice_option, file_option
 
 Source = Annotated[
     Path,
@@ -21,11 +21,7 @@ Source = Annotated[
 ]
 Kind = Annotated[
     str,
-    typer.Option(
-        "--kind",
-        help="Kind of plot: clearance, masks, space-time or learning.",
-        autocompletion=plot_kinds,
-    ),
+    choice_option("--kind", "Kind of plot: clearance, masks, space-time or learning.", plot_kinds),
 ]
 Out = Annotated[Path, file_option("--out", f"Write the plot to this file {PLOT_SUFFIXES}.")]
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fgenv.cli.completion import cameras
 from fgenv.cli.files import check_target, echo_written
-from fgenv.cli.options import FPS_HELP, Recorded, file_option
+from fgenv.cli.options import FPS_HELP, Recorded, choice_option, file_option, refuse_options
 
 if TYPE_CHECKING:
     from fgenv.envs import Record
@@ -24,7 +25,7 @@ At = Annotated[
     typer.Option("--at", min=0.0, help="Time of --png in seconds.", show_default="the end"),
 ]
 CameraKind = Annotated[
-    str, typer.Option("--camera", help="Camera: overview, top, follow or orbit.")
+    str, choice_option("--camera", "Camera: overview, top, follow or orbit.", cameras)
 ]
 RobotName = Annotated[
     str | None,
@@ -59,6 +60,7 @@ Speed = Annotated[
 
 
 def render(
+    context: typer.Context,
     record: Recorded,
     gif: Gif = None,
     mp4: Mp4 = None,
@@ -90,8 +92,10 @@ def render(
 
     check_files(gif, mp4, png)
     check_camera(camera, azimuth, elevation)
-    if at is not None and png is None:
-        raise ValueError("--at: is of a picture, expected with --png")
+    if png is None:
+        refuse_options(context, ("at",), "is of a picture, expected with --png")
+    if gif is None and mp4 is None:
+        refuse_options(context, ("fps", "speed"), "is of a movie, expected with --gif or --mp4")
     names = [] if notes == "none" else [note.strip() for note in notes.split(",")]
     check_annotations(names)
     width, height = pixels(size)
@@ -122,6 +126,9 @@ def write_picture(
 
     from fgenv.view.figures.episode_frames import frames_of
 
+    end = len(episode) * episode.dt
+    if at is not None and at > end + 0.5 * episode.dt:
+        raise ValueError(f"--at: got {at:g} s, expected up to {end:g} s, the length of the record")
     step = len(episode) if at is None else min(len(episode), round(at / episode.dt))
     (frame,) = frames_of(episode, [step], *size, **look)
     Image.fromarray(frame).save(path, optimize=True)
@@ -137,11 +144,7 @@ def check_files(gif: Path | None, mp4: Path | None, png: Path | None) -> None:
 
 
 def check_camera(camera: str, azimuth: float | None, elevation: float | None) -> None:
-    """Raise ValueError for an unknown camera, or a direction that it does not have."""
-    from fgenv.view.figures.camera_path import CAMERAS
-
-    if camera not in CAMERAS:
-        raise ValueError(f"--camera: got {camera!r}, expected {', '.join(CAMERAS)}")
+    """Raise ValueError for a direction that the camera does not have."""
     check_degrees(azimuth, "--azimuth", -360.0, 360.0)
     check_degrees(elevation, "--elevation", 5.0, 89.0)
     if camera != "overview" and (azimuth, elevation) != (None, None):

@@ -10,6 +10,7 @@ import typer
 from fgenv.cli.completion import policy_names
 from fgenv.cli.options import (
     FPS_HELP,
+    POLICY_HELP,
     ROBOTS_HELP,
     SET_HELP,
     SIZE_HELP,
@@ -17,6 +18,7 @@ from fgenv.cli.options import (
     ScenarioName,
     Seed,
     file_option,
+    refuse_options,
 )
 from fgenv.cli.scenario_options import overrides_from
 
@@ -30,8 +32,7 @@ RunPolicy = Annotated[
     str | None,
     typer.Option(
         "--policy",
-        help="Policy: goto, orca, random, rest, plan[:METHOD[:PLANNER]], plan:FILE.npz,"
-        " replan[:METHOD[:PLANNER]], mlp:FILE or sb3:FILE.",
+        help=f"{POLICY_HELP}.",
         show_default="goto; three_tanks: the published experiment",
         autocompletion=policy_names,
     ),
@@ -130,22 +131,14 @@ def run(
     if everything came out as published, else 1.
     """
     if scenario == PUBLISHED and policy is None:
-        refuse(context, EPISODE_OPTIONS, "expected with --policy, such as --policy goto")
+        refuse_options(context, EPISODE_OPTIONS, "expected with --policy, such as --policy goto")
         from fgenv.cli.experiment import run_published
 
         run_published(mesh, scale, step, out, pictures, seed, as_json)
         return
-    refuse(context, EXPERIMENT_OPTIONS, "is of fgenv run three_tanks, without --policy")
+    refuse_options(context, EXPERIMENT_OPTIONS, "is of fgenv run three_tanks, without --policy")
     from fgenv.cli.episode import EpisodeOptions, run_scenario
 
     overrides = overrides_from(n, size, set)
     options = EpisodeOptions(scenario, policy or "goto", overrides, seed, steps, record, movie, fps)
     run_scenario(context, options, as_json)
-
-
-def refuse(context: typer.Context, options: tuple[str, ...], reason: str) -> None:
-    """Raise ValueError if one of these options was given."""
-    for name in options:
-        source = context.get_parameter_source(name)
-        if source is not None and source.name == "COMMANDLINE":
-            raise ValueError(f"--{name}: {reason}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fgenv.cli.files import check_target, echo_written
-from fgenv.cli.options import Json, Robots, Seed, Settings, Size, file_option
+from fgenv.cli.options import Json, Robots, Seed, Settings, Size, file_option, refuse_options
 from fgenv.cli.scenario_options import is_file, overrides_from
 
 if TYPE_CHECKING:
@@ -23,15 +23,17 @@ Save = Annotated[Path | None, file_option("--save", "Write the scenario as YAML.
 PictureFile = Annotated[Path | None, file_option("--picture", "Draw the scenario to this PNG.")]
 Freeze = Annotated[Path | None, file_option("--freeze", "Write an evaluation set (.npz).")]
 Cases = Annotated[int, typer.Option("--cases", min=1, help="Number of cases for --freeze.")]
+OF_A_SCENARIO = ("n", "seed", "size", "set", "save", "picture", "freeze", "cases")
 Schema = Annotated[bool, typer.Option("--schema", help="Print the JSON Schema.")]
 
 
 def scenarios(
+    context: typer.Context,
     name: Name = None,
     n: Robots = None,
     seed: Seed = 0,
     size: Size = None,
-    settings: Settings = None,
+    set: Settings = None,
     save: Save = None,
     picture: PictureFile = None,
     freeze: Freeze = None,
@@ -47,19 +49,22 @@ def scenarios(
     from fgenv.scenarios.json_schema import json_schema
 
     if schema:
+        refuse_options(context, ("name", *OF_A_SCENARIO), "has no effect with --schema")
         typer.echo(json.dumps(json_schema(), indent=1))
         return
     if name is None:
-        if save or picture or freeze:
-            raise ValueError("expected the NAME of a scenario to write; see fgenv scenarios")
+        reason = "expected with the NAME of a scenario; see fgenv scenarios"
+        refuse_options(context, OF_A_SCENARIO, reason)
         print_list(as_json)
         return
-    overrides = overrides_from(n, size, settings)
+    overrides = overrides_from(n, size, set)
     if freeze is not None:
+        refuse_options(context, ("save", "picture"), "has no effect with --freeze")
         freeze_scenario(name, freeze, cases, seed, overrides, as_json)
         return
-    context = {} if seed == 0 and is_file(name) else {"seed": seed}
-    scenario = Scenario.load(name, **context, **overrides)
+    refuse_options(context, ("cases",), "expected with --freeze")
+    seeded = {} if seed == 0 and is_file(name) else {"seed": seed}
+    scenario = Scenario.load(name, **seeded, **overrides)
     if save is not None:
         scenario.save(save)
     if picture is not None:

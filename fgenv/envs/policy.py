@@ -12,8 +12,11 @@ where `make(argument, seed)` returns a policy: the argument is "" for `--policy 
 
 from __future__ import annotations
 
+import importlib.util
+import inspect
 from collections.abc import Callable
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -79,8 +82,9 @@ def policy_of(policy: str | Policy | Callable[[Floats32], Any], seed: int = 0) -
         policy: `goto`, `random`, `rest`; `orca`, `orca:shortest` (along the shortest path between
             static bodies); `plan`, `plan:METHOD`, `plan:METHOD:PLANNER` (plan each episode),
             `plan:FILE.npz` (drive a plan); `replan` with the same methods; `mlp:FILE`, `sb3:FILE`;
-            `safe:POLICY` (any of these behind a safety filter); or a registered name. A policy is
-            returned as it is.
+            `safe:POLICY` (any of these behind a safety filter); `FILE.py:NAME`, a policy of a
+            Python file: a class (its argument `seed`, if it has one, is the seed), an object, or a
+            function of observations; or a registered name. A policy is returned as it is.
         seed: of random numbers in the policy, 0 or more.
 
     Raises:
@@ -101,9 +105,12 @@ def policy_of(policy: str | Policy | Callable[[Floats32], Any], seed: int = 0) -
 
 
 def _make(name: str, seed: int) -> Policy:
-    kind, _, argument = name.partition(":")
     if seed < 0:
         raise ValueError(f"seed: got {seed}, expected 0 or more")
+    kind, _, argument = name.partition(":")
+    file, _, attribute = name.rpartition(":")
+    if file.endswith(".py"):
+        return policy_of(_policy_of_file(Path(file), attribute, seed), seed)
     policy = _factory(kind)(argument, seed)
     if not isinstance(policy, Policy):
         raise TypeError(
@@ -111,6 +118,24 @@ def _make(name: str, seed: int) -> Policy:
             " act(observations)"
         )
     return policy
+
+
+def _policy_of_file(path: Path, name: str, seed: int) -> Any:
+    """Return a policy that a Python file defines: an object, or a class without arguments."""
+    if not path.is_file():
+        raise FileNotFoundError(f"policy: {path} does not exist, expected a Python file")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None:
+        raise ValueError(f"policy: {path} is not importable, expected a Python file")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    if not hasattr(module, name):
+        names = [n for n, value in vars(module).items() if callable(value) and n[:1] != "_"]
+        raise ValueError(f"policy: {path} has no {name!r}; {near(name, names)}")
+    found = getattr(module, name)
+    if not isinstance(found, type):
+        return found
+    return found(seed=seed) if "seed" in inspect.signature(found).parameters else found()
 
 
 def _factory(name: str) -> PolicyFactory:

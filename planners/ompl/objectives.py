@@ -8,6 +8,7 @@ from typing import Any
 from ompl import base as ob
 
 from fgenv.planners.timing import full_speed_time, leg_limits
+from fgenv.scenarios.errors import near
 
 from .setup import Setup
 from .spaces import configurations_of
@@ -32,7 +33,7 @@ def objective_of(name: str, ss: Setup) -> Any:
         return ClearanceObjective(si, ss)
     if name == "time":
         return TimeObjective(si, ss)
-    raise ValueError(f"objective: got {name!r}, expected one of {', '.join(OBJECTIVES)}")
+    raise ValueError(f"objective: got {name!r}; {near(name, OBJECTIVES)}")
 
 
 class ClearanceObjective(ob.StateCostIntegralObjective):  # type: ignore[misc]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support.episodes import DRIVES, alone
@@ -136,3 +138,28 @@ def test_invalid_targets_raise(mode: str) -> None:
         view.toward(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="targets"):
         view.toward(np.full((1, 2, 3), np.nan))
+
+
+def test_a_policy_of_a_python_file(tmp_path: Path) -> None:
+    """A class, with or without a seed, an object and a function of observations are policies."""
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "import numpy as np\n"
+        "class Seeded:\n"
+        "    def __init__(self, seed):\n        self.seed = seed\n"
+        "    def reset(self, view):\n        pass\n"
+        "    def act(self, observations):\n"
+        "        return np.full((*observations.shape[:2], 2), 0.01 * self.seed)\n"
+        "instance = Seeded(3)\n"
+        "def still(observations):\n"
+        "    return np.zeros((*observations.shape[:2], 2))\n",
+        encoding="utf-8",
+    )
+    expected = {"Seeded": 0.07, "instance": 0.03, "still": 0.0}
+    for name, action in expected.items():
+        simulator = Simulator("swap", n=2)
+        assert np.allclose(begun(f"{file}:{name}", simulator, seed=7), action)
+    with pytest.raises(ValueError, match=r"mine\.py has no 'stil'; did you mean 'still'\?"):
+        policy_of(f"{file}:stil")
+    with pytest.raises(FileNotFoundError, match=r"none\.py does not exist, expected a Python file"):
+        policy_of(f"{tmp_path / 'none.py'}:Mine")

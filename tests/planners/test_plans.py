@@ -371,7 +371,7 @@ def test_errors_name_the_cause() -> None:
         fgenv.plan("doorway", "RTT", n=1)
     with pytest.raises(ValueError, match="time_limit: got 0"):
         fgenv.plan("doorway", n=1, time_limit=0)
-    with pytest.raises(ValueError, match="objective: got 'beauty', expected one of length"):
+    with pytest.raises(ValueError, match="objective: got 'beauty'; expected one of: length"):
         fgenv.plan("doorway", n=1, objective="beauty")
     with pytest.raises(ValueError, match="margin: got -1"):
         fgenv.plan("doorway", n=1, margin=-1)

@@ -47,7 +47,7 @@ def test_notes_are_drawn_over_the_frame(record: Record) -> None:
         (noted,) = frames_of(record, [step], notes=[note])
         other = (noted != plain).any(axis=2)
         assert 20 < other.sum() < 0.2 * other.size
-    with pytest.raises(ValueError, match="note: got 'who'"):
+    with pytest.raises(ValueError, match="notes: got 'who'"):
         next(frames_of(record, [0], notes=["who"]))
     with pytest.raises(ValueError, match="camera: got 'low'"):
         next(frames_of(record, [0], camera="low"))
@@ -127,7 +127,7 @@ def test_command(record: Record, shell: Shell) -> None:
         (("--png", "a.png", "--camera", "top", "--azimuth", "0"), "are of --camera overview"),
         ((), "nothing to write; expected --gif, --mp4 or --png"),
         (("--png", "a.jpg"), "ends in .png"),
-        (("--png", "a.png", "--camera", "low"), "--camera: got 'low', expected overview, top"),
+        (("--png", "a.png", "--camera", "low"), "--camera: got 'low'; did you mean 'follow'?"),
         (("--png", "a.png", "--robot", "nobody"), "--robot: got 'nobody', expected one of robot 1"),
         (("--png", "a.png", "--size", "8"), "expected WIDTHxHEIGHT"),
         (("--gif", "a.gif", "--at", "1"), "--at: is of a picture"),

@@ -11,6 +11,7 @@ from fgenv.collision import World
 from fgenv.envs import Record
 from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
+from fgenv.scenarios.errors import near
 from fgenv.view.contact_events import ContactEvent
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.movie import Frame
@@ -30,7 +31,7 @@ def check_annotations(names: Sequence[str]) -> None:
     """Raise ValueError if a name is not one of `ANNOTATIONS`."""
     for name in names:
         if name not in ANNOTATIONS:
-            raise ValueError(f"note: got {name!r}, expected {', '.join(ANNOTATIONS)}")
+            raise ValueError(f"notes: got {name!r}; {near(name, ANNOTATIONS)}")
 
 
 class Annotations:

@@ -12,6 +12,7 @@ from fgenv.arrays import Floats
 from fgenv.envs import Record
 from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
+from fgenv.scenarios.errors import near
 from fgenv.view.contact_events import contact_events
 from fgenv.view.figures.canvas import check_plot_path, legend_beside, new_figure, save_figure
 from fgenv.view.figures.palette import INK, TEAM, robot_color
@@ -38,7 +39,7 @@ def plot_record(record: Record, kind: str, path: str | Path) -> None:
         ImportError: Matplotlib is missing, with the remedy.
     """
     if kind not in KINDS:
-        raise ValueError(f"kind: got {kind!r}, expected {', '.join(KINDS)}")
+        raise ValueError(f"kind: got {kind!r}; {near(kind, KINDS)}")
     path = check_plot_path(path)
     if len(record) == 0:
         raise ValueError("record: it has no steps, nothing to plot")
