@@ -32,7 +32,7 @@ class MeshSource:
     data: bytes
 
     def fail(self, received: str, expected: str, *, line: int | None = None) -> NoReturn:
-        """Raise the one ValueError of unreadable content: where, what came, what is expected."""
+        """Raise the ValueError of unreadable content: place, value received, value expected."""
         at = "" if line is None else f" line {line}:"
         raise ValueError(f"path: {self.path}:{at} got {received}, expected {expected}")
 
@@ -49,7 +49,7 @@ class FileMesh:
         up: the up axis that the file states ("x", "y" or "z"); None if the format has none. Axes
             are never converted.
         polygons: number of faces with more than three corners, which were triangulated.
-        nonplanar: number of those whose corners are not in one plane.
+        nonplanar: number of polygons with corners outside one plane.
         notes: sentences on anything else that the file has and the mesh does not.
     """
 
