@@ -82,7 +82,8 @@ def strip_faces(corners: Ints) -> Faces:
 
 def fan_faces(corners: Ints) -> Faces:
     """Triangles of a fan around its first corner."""
-    return _fans(corners[None].astype(np.int64))[0]
+    faces: Faces = _fans(corners[None].astype(np.int64))[0]
+    return faces
 
 
 def _fans(polygons: Ints) -> Ints:
