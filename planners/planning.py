@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fgenv.arrays import Floats
+from fgenv.robots.links_joints import number_of
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.errors import near
 
@@ -64,7 +64,7 @@ def plan(
         method = "composite" if len(problem.names) == 1 else "prioritized"
     if method not in METHODS:
         raise ValueError(f"method: got {method!r}, which is unknown; {near(method, METHODS)}")
-    if not 0 < time_limit < math.inf:
+    if number_of(time_limit, "time_limit", finite=True) <= 0:
         raise ValueError(f"time_limit: got {time_limit}, expected finite seconds over 0")
     options = _search_options(method, planner, simplify, objective)
     problem.check()

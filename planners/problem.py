@@ -12,6 +12,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.collision import World
 from fgenv.robots import Robot
+from fgenv.robots.links_joints import number_of
 from fgenv.scenarios import Built, Scenario
 from fgenv.scenarios.library import ENTRIES
 
@@ -56,10 +57,14 @@ class Problem:
                     "margin, seed, overrides: a Problem has its own; expected a scenario"
                 )
             return scenario
-        if not np.isfinite(margin) or margin < 0:
-            raise ValueError(f"margin: got {margin}, expected meters, 0 or more")
-        if seed < 0:
-            raise ValueError(f"seed: got {seed}, expected 0 or more")
+        if not isinstance(scenario, (str, Path, Scenario)):
+            raise TypeError(
+                f"scenario: got {type(scenario).__name__}, expected a Scenario, its name or its"
+                " file, or a Problem"
+            )
+        number_of(margin, "margin", 0.0, finite=True)
+        if not isinstance(seed, (int, np.integer)) or seed < 0:
+            raise ValueError(f"seed: got {seed!r}, expected an integer, 0 or more")
         if isinstance(scenario, str) and scenario in ENTRIES:
             overrides.setdefault("seed", seed)
         if not isinstance(scenario, Scenario):

@@ -80,7 +80,15 @@ def describe(error: Exception) -> str:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     if exit_code(error) == OUR_MISTAKE:
         return f"{type(error).__name__}: {error} (unforeseen; FGENV_DEBUG=1 shows where)"
-    return str(error) or type(error).__name__
+    return _with_option(str(error)) or type(error).__name__
+
+
+def _with_option(message: str) -> str:
+    """Return a message about an argument with the name of its option, if that was given."""
+    name, colon, rest = message.partition(":")
+    option = "--" + name.replace("_", "-")
+    given = any(word.partition("=")[0] == option for word in sys.argv[1:])
+    return f"{option}{colon}{rest}" if given else message
 
 
 def _is_wrong_use(error: Exception) -> bool:

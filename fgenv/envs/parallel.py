@@ -25,6 +25,7 @@ from .infos import Info, infos
 from .options import refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, StepResult
+from .simulator_settings import MAX_STEPS, check_integer
 from .spaces import action_box, observation_box, state_box, state_of
 
 Rows = dict[str, Floats32]
@@ -219,5 +220,7 @@ def parallel_env(
         ScenarioError, ValueError, TypeError: invalid arguments.
     """
     refuse_worlds("parallel_env", options)
+    if max_cycles is not None:
+        check_integer(max_cycles, "max_cycles", MAX_STEPS)
     simulator = Simulator(scenario, 1, autoreset=False, max_steps=max_cycles, **options)
     return FleetParallelEnv(simulator, render_mode)

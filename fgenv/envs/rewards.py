@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from fgenv.arrays import Floats
+from fgenv.robots.links_joints import number_of
+from fgenv.scenarios.errors import near
 
 TERMS = {
     "progress": "decrease of the distance to the goal in this step, meters (fixed base: radians)",
@@ -43,13 +45,10 @@ class Reward:
     def __post_init__(self) -> None:
         for name, weight in self.weights.items():
             if name not in TERMS:
-                raise ValueError(f"reward: got {name!r}, expected one of {', '.join(TERMS)}")
-            if not np.isfinite(weight):
-                raise ValueError(f"reward: {name}: got {weight!r}, expected a finite weight")
-        for term, weight in self.own:
-            if not callable(term) or not np.isfinite(weight):
-                raise TypeError("reward: own: expected pairs of a function and a finite weight")
-        if not 0 < self.near < np.inf:
+                raise ValueError(f"reward: got {name!r}; {near(name, TERMS)}")
+            number_of(weight, f"reward: {name}", finite=True)
+        object.__setattr__(self, "own", tuple(map(_checked_term, _pairs(self.own))))
+        if number_of(self.near, "reward: near", 0.0, finite=True) == 0:
             raise ValueError(f"reward: near: got {self.near!r}, expected meters over 0")
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -72,3 +71,16 @@ class Reward:
                 raise ValueError(f"reward: {name}: got a number that is not finite")
             total += weight * value
         return total
+
+
+def _pairs(own: Any) -> list[Any]:
+    if isinstance(own, Mapping) or not isinstance(own, Iterable):
+        raise TypeError(f"reward: own: got {own!r}, expected pairs (function, weight)")
+    return list(own)
+
+
+def _checked_term(pair: Any) -> tuple[Term, float]:
+    if not isinstance(pair, Sequence) or len(pair) != 2 or not callable(pair[0]):
+        raise TypeError(f"reward: own: got {pair!r}, expected a pair (function, weight)")
+    name = getattr(pair[0], "__name__", "own")
+    return pair[0], number_of(pair[1], f"reward: {name}", finite=True)

@@ -9,6 +9,7 @@ from .observations import Observation
 from .rewards import Reward
 
 MAX_WORLDS = 1_000_000
+MAX_STEPS = 2**62 - 1
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class SimulatorSettings:
         check_choice(self.case_order, "case_order", ("random", "seed"))
         check_integer(self.n_worlds, "worlds", MAX_WORLDS)
         if self.max_steps is not None:
-            check_integer(self.max_steps, "max_steps", 2**62 - 1)
+            check_integer(self.max_steps, "max_steps", MAX_STEPS)
         check_number(self.way_point_seconds, "way_point_seconds", 1e-9, 1e3)
         check_number(self.tolerance, "tolerance", 1e-9, 0.1)
         if self.shortest_paths and self.actions == "way_points":

@@ -241,7 +241,7 @@ def test_unknown_names_raise() -> None:
         fgenv.parallel_env("swap", jiter=0.1)
     with pytest.raises(ValueError, match="render_mode: got 'ansi'"):
         fgenv.parallel_env("swap", render_mode="ansi")
-    with pytest.raises(ValueError, match="max_steps: got 0"):
+    with pytest.raises(ValueError, match="max_cycles: got 0"):
         fgenv.parallel_env("swap", max_cycles=0)
     with pytest.raises(TypeError, match="worlds: got 3, which parallel_env does not take"):
         fgenv.parallel_env("swap", worlds=3)

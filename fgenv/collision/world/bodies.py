@@ -34,6 +34,8 @@ class BodyMethods(WorldBase):
             name: unique in this world; default: `body <id>`.
             groups: group names for `allow_groups`.
         """
+        if not isinstance(shape, Shape):
+            raise TypeError(f"shape: got {type(shape).__name__}, expected a Shape")
         here = np.eye(4) if pose is None else pose
         return self._core.add_body(shape, here, name, groups=groups, id=-1)
 

@@ -5,21 +5,42 @@
 
 namespace fgenv {
 
+// "name: got VALUE, expected EXPECTED"
+static inline std::string received(const char* name, nb::handle value, const char* expected) {
+    std::string text = nb::repr(value).c_str();
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return std::string(name) + ": got " + text + ", expected " + expected;
+}
+
 static inline int threads_of(nb::handle value) {
     if (value.is_none()) return 0;
     int n = 0;
     if (!nb::try_cast(value, n) || n < 1 || n > 4096)
-        throw nb::value_error(
-            "threads: got a value out of range, expected an integer from 1 to 4096, or None for all cores");
+        throw nb::value_error(received("threads", value, "an integer from 1 to 4096, or None for all cores").c_str());
     return n;
 }
 
-// Raises unless the value is finite and at least 0.
-static inline double meters_of(double value, const char* name) {
-    if (!(value >= 0) || std::isinf(value))
-        throw nb::value_error(
-            (std::string(name) + ": got " + std::to_string(value) + ", expected at least 0 meters").c_str());
-    return value;
+// Raises TypeError unless the value is a number.
+static inline double real_of(nb::handle value, const char* name) {
+    double out = 0;
+    if (PyBool_Check(value.ptr()) || !nb::try_cast(value, out))
+        throw nb::type_error(received(name, value, "a number").c_str());
+    return out;
+}
+
+// Raises TypeError unless the value is True or False.
+static inline bool flag_of(nb::handle value, const char* name) {
+    bool out = false;
+    if (!nb::try_cast(value, out)) throw nb::type_error(received(name, value, "True or False").c_str());
+    return out;
+}
+
+// Raises ValueError unless the value is at least 0; infinity is an error unless it means no limit.
+static inline double meters_of(nb::handle value, const char* name, bool unlimited = false) {
+    const double meters = real_of(value, name);
+    if (!(meters >= 0) || (std::isinf(meters) && !unlimited))
+        throw nb::value_error(received(name, value, "at least 0 meters").c_str());
+    return meters;
 }
 
 // Unit vector of three numbers that are not all 0. Scaled first: squares of very small or large numbers

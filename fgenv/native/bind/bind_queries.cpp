@@ -19,10 +19,10 @@ const Shape& shape_of(nb::handle value, const char* name) {
     return *shape;
 }
 
-nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, double margin, nb::handle threads) {
+nb::object collide(nb::handle A, nb::handle Ta, nb::handle B, nb::handle Tb, nb::handle margin_, nb::handle threads) {
     const Shape &a = shape_of(A, "a"), &b = shape_of(B, "b");
     const Poses ta = poses(Ta, "Ta"), tb = poses(Tb, "Tb");
-    meters_of(margin, "margin");
+    const double margin = meters_of(margin_, "margin");
     const int n_threads = threads_of(threads);
     if (ta.single() && tb.single()) {
         const bool hit = hits(a, b, relative(ta[0], tb[0]), margin, false);
@@ -125,12 +125,11 @@ nb::object contains(const Shape& s, nb::handle points_, nb::handle T, nb::handle
     return nb::cast(out.array);
 }
 
-nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T, double max_distance,
+nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb::handle T, nb::handle max_distance_,
                    nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
     const Poses t = poses(T, "T");
-    if (!(max_distance >= 0))
-        throw nb::value_error(("max_distance: got " + number(max_distance) + ", expected at least 0 meters").c_str());
+    const double max_distance = meters_of(max_distance_, "max_distance", true);
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}, {"T", t.dims}});
     std::vector<Rigid> inverses;
     for (const Rigid& item : t.all()) inverses.push_back(inverse(item));
@@ -154,7 +153,7 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
 
 void bind_queries(nb::module_& m) {
     m.def("collide", &collide, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none(), nb::kw_only(),
-          "margin"_a = 0.0, "threads"_a = nb::none(),
+          "margin"_a.none() = 0.0, "threads"_a = nb::none(),
           R"(Whether two posed shapes collide.
 
 Exact for shapes of method `exact`. Touching counts, and so does containment in a watertight shape.
@@ -188,7 +187,7 @@ Returns:
     m.def("contact_point", &contact_point, "a"_a.none(), "Ta"_a.none(), "b"_a.none(), "Tb"_a.none());
     m.def("contains", &contains, "shape"_a, "points"_a.none(), "T"_a.none(), nb::kw_only(), "threads"_a = nb::none());
     m.def("raycast", &raycast, "shape"_a, "origins"_a.none(), "directions"_a.none(), "T"_a.none(), nb::kw_only(),
-          "max_distance"_a, "threads"_a = nb::none());
+          "max_distance"_a.none(), "threads"_a = nb::none());
 }
 
 }  // namespace fgenv

@@ -22,21 +22,20 @@ double resolution_of(nb::handle mode, nb::handle value) {
     return meters;
 }
 
-MotionSettings settings_of(double margin, double tolerance, double resolution, bool first, nb::handle start_time,
-                           nb::handle end_time) {
+MotionSettings settings_of(nb::handle margin, nb::handle tolerance, double resolution, bool first,
+                           nb::handle start_time, nb::handle end_time) {
     MotionSettings s;
     s.certify.margin = meters_of(margin, "margin");
     s.certify.tolerance = meters_of(tolerance, "tolerance");
-    if (!(tolerance > 0)) fail("tolerance: got " + number(tolerance) + ", expected meters above 0");
+    if (!(s.certify.tolerance > 0)) fail(received("tolerance", tolerance, "meters above 0"));
     s.resolution = resolution;
     s.certify.first = first;
     if (start_time.is_none() != end_time.is_none())
         fail("start_time, end_time: got one of them, expected both (seconds) or neither");
     if (!start_time.is_none() && (!nb::try_cast(start_time, s.from) || !nb::try_cast(end_time, s.to) ||
                                   !std::isfinite(s.from) || !std::isfinite(s.to) || s.to < s.from))
-        fail(
-            "start_time, end_time: got an invalid interval, expected finite seconds with end_time not before "
-            "start_time");
+        fail(std::string("start_time, end_time: got ") + nb::repr(start_time).c_str() + " and " +
+             nb::repr(end_time).c_str() + ", expected one number each: finite seconds, end_time not before start_time");
     return s;
 }
 
@@ -66,14 +65,14 @@ struct Outcomes {
     }
 };
 
-nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::handle end, double margin,
-                       double tolerance, nb::handle mode, nb::handle resolution, bool first, nb::handle start_time,
-                       nb::handle end_time, nb::handle threads) {
+nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::handle end, nb::handle margin,
+                       nb::handle tolerance, nb::handle mode, nb::handle resolution, nb::handle first,
+                       nb::handle start_time, nb::handle end_time, nb::handle threads) {
     const Asked a = asked(robot, "robot");
     const Model model = model_of(w, a);
     const Places from = places(model, start, "start"), to = places(model, end, "end");
-    const MotionSettings s =
-        settings_of(margin, tolerance, resolution_of(mode, resolution), first, start_time, end_time);
+    const MotionSettings s = settings_of(margin, tolerance, resolution_of(mode, resolution),
+                                         flag_of(first, "first_contact"), start_time, end_time);
     const Broadcast shape = broadcast({{"start", from.dims()}, {"end", to.dims()}});
     const int n = threads_of(threads);
     const auto lock = reading(w);
@@ -92,7 +91,8 @@ nb::tuple check_motion(const World& w, nb::handle robot, nb::handle start, nb::h
 }
 
 nb::object motions_collide(const World& w, nb::handle a, nb::handle start_a, nb::handle end_a, nb::handle b,
-                           nb::handle start_b, nb::handle end_b, double margin, double tolerance, nb::handle threads) {
+                           nb::handle start_b, nb::handle end_b, nb::handle margin, nb::handle tolerance,
+                           nb::handle threads) {
     const Asked first = asked(a, "a"), second = asked(b, "b");
     const Model model_a = model_of(w, first, "a"), model_b = model_of(w, second, "b");
     const Places from_a = places(model_a, start_a, "start_a"), to_a = places(model_a, end_a, "end_a");
@@ -149,8 +149,8 @@ nb::tuple outcomes_of(F find) {
     return out.tuple();
 }
 
-nb::tuple check_motions(const World& w, nb::handle robots, nb::handle start, nb::handle end, double margin,
-                        double tolerance, nb::handle start_time, nb::handle end_time) {
+nb::tuple check_motions(const World& w, nb::handle robots, nb::handle start, nb::handle end, nb::handle margin,
+                        nb::handle tolerance, nb::handle start_time, nb::handle end_time) {
     const AskedBodies all = asked_bodies(robots, "robots");
     const std::vector<Model> models = models_of(w, all, "robots");
     const Model model = models.empty() ? nullptr : models[0];
@@ -173,8 +173,8 @@ nb::tuple check_motions(const World& w, nb::handle robots, nb::handle start, nb:
     return outcomes_of([&] { return w.check_motions(ids, starts, ends, s); });
 }
 
-nb::tuple advance(World& w, nb::handle robots, nb::handle end, double margin, double tolerance, nb::handle start_time,
-                  nb::handle end_time) {
+nb::tuple advance(World& w, nb::handle robots, nb::handle end, nb::handle margin, nb::handle tolerance,
+                  nb::handle start_time, nb::handle end_time) {
     const AskedBodies all = asked_bodies(robots, "robots");
     const std::vector<Model> models = models_of(w, all, "robots");
     const Places ends = places(models.empty() ? nullptr : models[0], end, "end");
@@ -192,15 +192,16 @@ nb::tuple advance(World& w, nb::handle robots, nb::handle end, double margin, do
 }  // namespace
 
 void bind_world_motions(nb::class_<World>& c) {
-    c.def("check_motion", &check_motion, "robot"_a.none(), "start"_a.none(), "end"_a.none(), nb::kw_only(), "margin"_a,
-          "tolerance"_a, "mode"_a.none(), "resolution"_a.none(), "first_contact"_a, "start_time"_a.none(),
-          "end_time"_a.none(), "threads"_a.none())
+    c.def("check_motion", &check_motion, "robot"_a.none(), "start"_a.none(), "end"_a.none(), nb::kw_only(),
+          "margin"_a.none(), "tolerance"_a.none(), "mode"_a.none(), "resolution"_a.none(), "first_contact"_a.none(),
+          "start_time"_a.none(), "end_time"_a.none(), "threads"_a.none())
         .def("motions_collide", &motions_collide, "a"_a.none(), "start_a"_a.none(), "end_a"_a.none(), nb::kw_only(),
-             "b"_a.none(), "start_b"_a.none(), "end_b"_a.none(), "margin"_a, "tolerance"_a, "threads"_a.none())
+             "b"_a.none(), "start_b"_a.none(), "end_b"_a.none(), "margin"_a.none(), "tolerance"_a.none(),
+             "threads"_a.none())
         .def("check_motions", &check_motions, "robots"_a.none(), "start"_a.none(), "end"_a.none(), nb::kw_only(),
-             "margin"_a, "tolerance"_a, "start_time"_a.none(), "end_time"_a.none())
-        .def("advance", &advance, "robots"_a.none(), "end"_a.none(), nb::kw_only(), "margin"_a, "tolerance"_a,
-             "start_time"_a.none(), "end_time"_a.none());
+             "margin"_a.none(), "tolerance"_a.none(), "start_time"_a.none(), "end_time"_a.none())
+        .def("advance", &advance, "robots"_a.none(), "end"_a.none(), nb::kw_only(), "margin"_a.none(),
+             "tolerance"_a.none(), "start_time"_a.none(), "end_time"_a.none());
 }
 
 }  // namespace fgenv

@@ -28,12 +28,12 @@ Posed posed(const Model& model, nb::handle poses_, nb::handle times) {
     return out;
 }
 
-nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, double margin,
+nb::object collides(const World& w, nb::handle robot, nb::handle poses_, nb::handle times, nb::handle margin_,
                     nb::handle threads) {
     const Asked a = asked(robot, "robot");
     const Model model = model_of(w, a);
     const Posed p = posed(model, poses_, times);
-    meters_of(margin, "margin");
+    const double margin = meters_of(margin_, "margin");
     const int n = threads_of(threads);
     const auto lock = reading(w);
     const BodyId id = mover_of(w, a, model);
@@ -64,8 +64,8 @@ nb::object clearance(const World& w, nb::handle robot, nb::handle poses_, nb::ha
     return nb::make_tuple(distance.array, other.array);
 }
 
-nb::object contact_pairs(const World& w, double margin, nb::handle threads) {
-    meters_of(margin, "margin");
+nb::object contact_pairs(const World& w, nb::handle margin_, nb::handle threads) {
+    const double margin = meters_of(margin_, "margin");
     const int n = threads_of(threads);
     const auto lock = reading(w);
     std::vector<std::pair<BodyId, BodyId>> pairs;
@@ -86,10 +86,10 @@ nb::object contact_pairs(const World& w, double margin, nb::handle threads) {
     return copy_out(rows.data(), {static_cast<int64_t>(rows.size() / 2)}, {2});
 }
 
-nb::object raycast(const World& w, nb::handle origins, nb::handle directions, double max_distance, nb::handle ignored,
-                   nb::handle threads) {
+nb::object raycast(const World& w, nb::handle origins, nb::handle directions, nb::handle max_distance_,
+                   nb::handle ignored, nb::handle threads) {
     const Array<double> o = points(origins, "origins"), d = directions_of(directions, "directions");
-    if (!(max_distance >= 0)) fail("max_distance: got " + number(max_distance) + ", expected at least 0 meters");
+    const double max_distance = meters_of(max_distance_, "max_distance", true);
     const Broadcast shape = broadcast({{"origins", rows_of(o)}, {"directions", rows_of(d)}});
     const int n = threads_of(threads);
     Output<double> distance = make_output<double>(shape.dims);
@@ -113,12 +113,12 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, do
 }  // namespace
 
 void bind_world_queries(nb::class_<World>& c) {
-    c.def("collides", &collides, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), nb::kw_only(), "margin"_a,
+    c.def("collides", &collides, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), nb::kw_only(), "margin"_a.none(),
           "threads"_a.none())
         .def("clearance", &clearance, "robot"_a.none(), "poses"_a.none(), "times"_a.none(), nb::kw_only(),
              "threads"_a.none())
-        .def("contact_pairs", &contact_pairs, "margin"_a, "threads"_a.none())
-        .def("raycast", &raycast, "origins"_a.none(), "directions"_a.none(), "max_distance"_a, nb::kw_only(),
+        .def("contact_pairs", &contact_pairs, "margin"_a.none(), "threads"_a.none())
+        .def("raycast", &raycast, "origins"_a.none(), "directions"_a.none(), "max_distance"_a.none(), nb::kw_only(),
              "ignore"_a.none(), "threads"_a.none());
 }
 
