@@ -22,7 +22,7 @@ total = np.zeros((16, 12))
 for _ in range(50):
     step = simulator.step(simulator.toward(simulator.goals))
     total += step.rewards
-print(f"{total.mean():.2f} a robot; {simulator.collision_counts.mean():.1f} collisions each")
+print(f"{total.mean():.2f} a robot; {simulator.collision_counts.mean():.1f} steps in contact each")
 crowded = crowding(simulator)
 print(f"in the end a robot has {crowded.mean():.1f} others within a meter")
 assert np.ptp(total, axis=0).max() == 0.0  # all worlds are equal: nothing is random

@@ -18,7 +18,7 @@ policy = PlanPolicy(plan=plan)  # or policy_of("plan:prioritized"), which plans 
 record = run_episode(simulator, policy, seed=1)
 results = Results.of(record)
 assert results.success_rate == 1.0
-assert results.collisions == 0
+assert results.steps_in_contact == 0
 print(f"driven: {results.makespan:.1f} s, {policy.tracking_error:.1e} m off the plan at most")
 
 record.save("warehouse.npz")

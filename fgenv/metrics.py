@@ -19,24 +19,24 @@ class RobotResult:
 
     Attributes:
         arrival: time until the robot was at its goal, s; None: it did not arrive.
-        collisions: number of steps with a contact; a resting robot that is hit is not counted.
+        steps_in_contact: steps with a contact; a robot at rest that is hit is not counted.
         path_length: of the base, m; of a fixed base, the sum over its joints, rad.
         unit: of the path length, m or rad.
-        least_clearance: least distance to another body after any step until arrival, m; infinite
+        least_clearance: least distance to another body after any step until arrival, m; None
             without bodies, or if not measured.
     """
 
     name: str
     arrival: float | None
-    collisions: int
+    steps_in_contact: int
     path_length: float
     unit: str
-    least_clearance: float
+    least_clearance: float | None
 
     @property
     def success(self) -> bool:
         """Whether the robot reached its goal without a collision."""
-        return self.arrival is not None and self.collisions == 0
+        return self.arrival is not None and self.steps_in_contact == 0
 
     def seconds_on_way(self, seconds: float) -> float:
         """Return the time until arrival, or the given duration of the episode, s."""
@@ -78,9 +78,9 @@ class Results:
         return sum(robot.arrival is not None for robot in self.robots)
 
     @property
-    def collisions(self) -> int:
+    def steps_in_contact(self) -> int:
         """Number of steps with a contact, summed over robots."""
-        return sum(robot.collisions for robot in self.robots)
+        return sum(robot.steps_in_contact for robot in self.robots)
 
     @property
     def makespan(self) -> float | None:
@@ -95,41 +95,29 @@ class Results:
         return None if arrivals is None else math.fsum(arrivals)
 
     @property
-    def least_clearance(self) -> float:
-        """Least clearance of all robots, m."""
-        return min(robot.least_clearance for robot in self.robots)
+    def least_clearance(self) -> float | None:
+        """Least clearance of all robots, m; None without bodies, or if not measured."""
+        return min((c for r in self.robots if (c := r.least_clearance) is not None), default=None)
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Plain values for JSON, with null for infinite numbers."""
+        """Plain values for JSON."""
         return {
             "steps": self.steps,
             "seconds": self.seconds,
             "success_rate": self.success_rate,
             "arrived": self.arrived,
-            "collisions": self.collisions,
+            "steps_in_contact": self.steps_in_contact,
             "makespan": self.makespan,
             "sum_of_costs": self.sum_of_costs,
-            "least_clearance": finite(self.least_clearance),
-            "robots": [
-                {
-                    **asdict(robot),
-                    "success": robot.success,
-                    "least_clearance": finite(robot.least_clearance),
-                }
-                for robot in self.robots
-            ],
+            "least_clearance": self.least_clearance,
+            "robots": [{**asdict(robot), "success": robot.success} for robot in self.robots],
         }
 
     @property
     def _arrivals(self) -> list[float] | None:
         arrivals = [robot.arrival for robot in self.robots if robot.arrival is not None]
         return arrivals if len(arrivals) == len(self.robots) else None
-
-
-def finite(x: float) -> float | None:
-    """Return the number, or None if it is infinite."""
-    return x if math.isfinite(x) else None
 
 
 def of_world(simulator: Simulator, world: int) -> Results:
@@ -167,7 +155,9 @@ def result(
 ) -> RobotResult:
     """Return the result of one robot; `step` is that of its arrival, or -1."""
     unit = "rad" if robot.base == "fixed" else "m"
-    return RobotResult(robot.name, step * dt if step >= 0 else None, hits, length, unit, clearance)
+    arrival = step * dt if step >= 0 else None
+    measured = clearance if math.isfinite(clearance) else None
+    return RobotResult(robot.name, arrival, hits, length, unit, measured)
 
 
 def path_length(robot: Robot, q: Floats) -> float:

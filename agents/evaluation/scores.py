@@ -75,7 +75,7 @@ def score(
         mean([x for pair in pairs if not math.isnan(x := mean_excess(*pair, "path_length"))]),
         mean([e.results.makespan for e, _ in pairs if e.results.makespan is not None]),
         mean([mean_speed(episode.results) for episode in episodes]),
-        mean([x for x in clearances if math.isfinite(x)]),
+        mean([x for x in clearances if x is not None]),
     )
 
 

@@ -70,6 +70,6 @@ def validate(
         steps,
         float(np.mean([episode.success for episode in episodes])),
         float(np.mean([robot.success for robot in robots])),
-        float(np.mean([robot.collisions > 0 for robot in robots])),
+        float(np.mean([robot.steps_in_contact > 0 for robot in robots])),
         float(np.mean(times)) if times else 0.0,
     )

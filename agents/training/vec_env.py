@@ -202,14 +202,14 @@ class FleetVecEnv(VecEnv):
         n = self.simulator.n_robots
         last, truncated = step.observations[worlds], step.truncated[worlds].tolist()
         arrived = (self.simulator.arrival_steps[worlds] >= 0).tolist()
-        collisions = self.simulator.collision_counts[worlds].tolist()
+        in_contact = self.simulator.collision_counts[worlds].tolist()
         for k, w in enumerate(worlds.tolist()):
             for i in range(n):
                 infos[w * n + i] = {
                     "terminal_observation": last[k, i],
                     "TimeLimit.truncated": truncated[k],
                     "is_success": arrived[k][i],
-                    "collisions": collisions[k][i],
+                    "steps_in_contact": in_contact[k][i],
                 }
 
 

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 from rich.table import Table
 
+from fgenv.envs.contact_events import contact_events
+
 if TYPE_CHECKING:
     from rich.console import Console
 
     from fgenv.envs import Record
     from fgenv.metrics import Results
 
-COLUMNS = ("success", "arrived (s)", "collisions", "path", "least clearance (m)")
+COLUMNS = ("success", "arrived (s)", "steps in contact", "path", "least clearance (m)")
 ENDS = {
     "terminated": "over",
     "truncated": "out of time",
@@ -35,7 +37,8 @@ def print_report(
     console.print(f" ({seconds:.2f} s to simulate)")
     successes, n = sum(robot.success for robot in results.robots), len(results.robots)
     console.print(
-        f"success {successes} of {n}, collisions {results.collisions},"
+        f"success {successes} of {n}, contact events {len(contact_events(record))},"
+        f" steps in contact {results.steps_in_contact},"
         f" makespan {number(results.makespan, 1, ' s')},"
         f" sum of costs {number(results.sum_of_costs, 1, ' s')}"
     )
@@ -53,7 +56,7 @@ def table_of(record: Record, results: Results) -> Table:
             escape(robot.name),
             "[green]yes[/]" if robot.success else "[red]no[/]",
             number(robot.arrival, 1),
-            str(robot.collisions),
+            str(robot.steps_in_contact),
             f"{robot.path_length:.2f} {robot.unit}",
             number(robot.least_clearance, 3),
         )
@@ -78,6 +81,7 @@ def as_data(
         "policy": record.policy,
         "ended": record.about["ended"],
         "dt": record.dt,
+        "contact_events": len(contact_events(record)),
         **results.facts,
         "notes": list(notes),
         "written": list(written),

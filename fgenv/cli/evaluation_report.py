@@ -126,6 +126,6 @@ def to_csv(result: Evaluation) -> str:
             for i, (robot, direct) in enumerate(zip(episode.results.robots, straight, strict=True)):
                 key = policy, case, seed, robot.name, int(robot.success), robot.arrival
                 contacts = episode.robot_collisions[i], episode.body_collisions[i]
-                path = robot.path_length, robot.unit, finite(robot.least_clearance)
+                path = robot.path_length, robot.unit, robot.least_clearance
                 writer.writerow([*key, *contacts, *path, direct.arrival, direct.path_length])
     return out.getvalue()

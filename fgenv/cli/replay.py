@@ -17,9 +17,9 @@ def replay(record: Recorded, html: Html = None, open_it: OpenBrowser = False) ->
     """Write a page that plays a recorded episode, or a plan.
 
     The page is self-contained: it opens from disk, offline, in any browser
-    with WebGL. It plays at 0.5 to 8 times real time and scrubs; each collision
-    has a mark on the time line, with a link to its time. Space plays and
-    pauses, the arrow keys step, N and P go to the next and previous collision.
+    with WebGL. It plays at 0.5 to 8 times real time and scrubs; each contact
+    event has a mark on the time line, with a link to its time. Space plays and
+    pauses, the arrow keys step, N and P go to the next and previous event.
     Without --html the page is written beside the record, under its name.
     """
     from rich.console import Console

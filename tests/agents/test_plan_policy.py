@@ -38,7 +38,7 @@ from fgenv.scenarios import Scenario
 def test_robots_follow_their_plans(name: str, n: int, policy: str, most: float) -> None:
     results, made = driven(name, policy, n=n)
     assert results.success_rate == 1.0
-    assert results.collisions == 0
+    assert results.steps_in_contact == 0
     assert made.tracking_error <= most
     assert made.waited == 0.0
 
@@ -50,7 +50,7 @@ def test_robots_follow_their_plans(name: str, n: int, policy: str, most: float) 
 def test_robots_follow_their_plans_by_way_points(name: str, n: int, policy: str) -> None:
     results, made = driven(name, policy, n=n, actions="way_points")
     assert results.success_rate == 1.0
-    assert results.collisions == 0
+    assert results.steps_in_contact == 0
     assert made.tracking_error < 1e-3
 
 
@@ -109,7 +109,7 @@ def test_robots_wait_for_a_robot_that_is_held_up(name: str, n: int, span: tuple[
     simulator, policy = Simulator(name, n=n, autoreset=False), PlanPolicy("composite", strict=True)
     results = Results.of(run_episode(simulator, Held(policy, 0, *span)))
     assert results.success_rate == 1.0
-    assert results.collisions == 0
+    assert results.steps_in_contact == 0
     assert policy.waited > 0.5 * (span[1] - span[0]) * simulator.dt
 
 

@@ -33,7 +33,7 @@ def test_without_disturbance_robots_follow_the_plan(name: str, n: int) -> None:
     results, policy = driven(name, "replan:composite", n=n)
     assert isinstance(policy, ReplanPolicy)
     assert results.success_rate == 1.0
-    assert (results.collisions, policy.replans) == (0, 0)
+    assert (results.steps_in_contact, policy.replans) == (0, 0)
     assert policy.tracking_error < 1e-9
 
 
@@ -51,7 +51,7 @@ def test_a_stray_that_rests_is_planned_for_again() -> None:
     simulator, policy = Simulator("swap", n=4, autoreset=False), ReplanPolicy("prioritized")
     results = Results.of(run_episode(simulator, Held(policy, 1, 10, 60)))
     assert results.success_rate == 1.0
-    assert results.collisions == 0
+    assert results.steps_in_contact == 0
 
 
 @pytest.mark.parametrize("seed", range(3))

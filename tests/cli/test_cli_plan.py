@@ -29,7 +29,7 @@ def test_a_plan_is_reported_saved_certified_and_executed(shell: Shell) -> None:
     assert shell("verify", "p.npz")[0] == 0
     data = shell.json("run", "doorway", "--n", 2, "--policy", "plan:p.npz", "--record", "r.npz")
     plan = Plan.load("p.npz")
-    assert (data["success_rate"], data["collisions"]) == (1.0, 0)
+    assert (data["success_rate"], data["steps_in_contact"]) == (1.0, 0)
     assert data["tracking_error"] < 1e-9
     assert data["makespan"] <= plan.makespan + 1e-9
     replay(Record.load("r.npz"))

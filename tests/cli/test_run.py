@@ -31,7 +31,15 @@ def test_each_robot_has_a_row(shell: Shell) -> None:
         "run", "swap", "--policy", "goto", "--n", 2, "--set", "on_collision=pass"
     )
     assert (code, err) == (0, "")
-    for text in ("robot 1", "robot 2", "success", "arrived (s)", "collisions", "least clearance"):
+    for text in (
+        "robot 1",
+        "robot 2",
+        "success",
+        "arrived (s)",
+        "steps in contact",
+        "contact events",
+        "least clearance",
+    ):
         assert text in out
     assert "over after 4.0 s, 40 steps" in out
     assert "success 0 of 2" in out

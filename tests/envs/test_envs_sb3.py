@@ -66,7 +66,7 @@ def test_final_infos_have_success() -> None:
     assert (rewards[3:] > 5).all()
     assert infos[4]["is_success"]
     assert not infos[4]["TimeLimit.truncated"]
-    assert infos[4]["collisions"] == 0
+    assert infos[4]["steps_in_contact"] == 0
 
 
 def test_seeds() -> None:

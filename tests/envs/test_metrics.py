@@ -59,24 +59,24 @@ def test_robots_that_arrive() -> None:
     one, two = results.robots
     assert [one.arrival, two.arrival] == pytest.approx([2.0, 1.0])
     assert [one.path_length, two.path_length] == pytest.approx([2.0, 1.0])
-    assert (one.unit, one.success, one.collisions) == ("m", True, 0)
+    assert (one.unit, one.success, one.steps_in_contact) == ("m", True, 0)
     assert one.least_clearance == pytest.approx(0.6, abs=1e-6)
     assert results.makespan == pytest.approx(2.0)
     assert results.sum_of_costs == pytest.approx(3.0)
     assert results.steps == 20
     assert results.seconds == pytest.approx(2.0)
-    assert (results.success_rate, results.arrived, results.collisions) == (1.0, 2, 0)
+    assert (results.success_rate, results.arrived, results.steps_in_contact) == (1.0, 2, 0)
 
 
 def test_robots_stopped_at_a_wall_do_not_arrive() -> None:
     results = driven(lane(3.0, 1.0, wall=1.85))
     one, two = results.robots
     assert (one.arrival, one.success, two.success) == (None, False, True)
-    assert one.collisions == 50 - 14  # first contact 1.45 m from the start
+    assert one.steps_in_contact == 50 - 14  # first contact 1.45 m from the start
     assert one.path_length == pytest.approx(1.45, abs=1e-4)
     assert one.least_clearance == pytest.approx(0.0, abs=1e-4)
     assert (results.makespan, results.sum_of_costs) == (None, None)
-    assert (results.success_rate, results.collisions) == (0.5, 36)
+    assert (results.success_rate, results.steps_in_contact) == (0.5, 36)
     assert results.steps == 50
 
 
@@ -84,14 +84,14 @@ def test_robots_that_pass_through_a_wall_arrive_without_success() -> None:
     results = driven(lane(3.0, wall=1.85, on_collision="pass"))
     (robot,) = results.robots
     assert robot.arrival == pytest.approx(3.0)
-    assert robot.collisions > 0
+    assert robot.steps_in_contact > 0
     assert (results.arrived, results.success_rate, results.makespan) == (1, 0.0, robot.arrival)
     assert results.least_clearance == 0.0
 
 
-def test_clearance_without_bodies_is_infinite() -> None:
+def test_clearance_without_bodies_is_none() -> None:
     results = driven(lane(1.0))
-    assert math.isinf(results.least_clearance)
+    assert results.least_clearance is None
     assert results.facts["least_clearance"] is None
     assert results.facts["robots"][0]["least_clearance"] is None
 
@@ -133,7 +133,7 @@ def test_continuous_joints_turn_the_shorter_way() -> None:
 def test_results_before_the_first_step() -> None:
     simulator = Simulator("cell", autoreset=False)
     results = Results.of(run_episode(simulator, GoToPolicy(), steps=0))
-    assert (results.steps, results.collisions, results.arrived) == (0, 0, 0)
+    assert (results.steps, results.steps_in_contact, results.arrived) == (0, 0, 0)
 
 
 def test_results_per_world() -> None:

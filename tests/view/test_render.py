@@ -8,7 +8,7 @@ from support.shell import Shell
 
 from fgenv.agents import run_episode
 from fgenv.envs import Record, Simulator, policy_of
-from fgenv.view.contact_events import contact_events
+from fgenv.envs.contact_events import contact_events
 from fgenv.view.figures.annotations import Annotations
 from fgenv.view.figures.camera_path import CAMERAS, CameraPath
 from fgenv.view.figures.episode_frames import frames_of

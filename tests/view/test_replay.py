@@ -15,7 +15,7 @@ import fgenv
 from fgenv.agents import run_episode
 from fgenv.collision import Shape
 from fgenv.envs import Record, Simulator, policy_of
-from fgenv.view.contact_events import contact_events
+from fgenv.envs.contact_events import contact_events
 from fgenv.view.episodes import load_episode
 from fgenv.view.web.meshes import mesh_of, quaternions
 from fgenv.view.web.replay import positions, write_replay

@@ -9,10 +9,10 @@ import numpy as np
 from fgenv.arrays import Flags, Floats
 from fgenv.collision import World
 from fgenv.envs import Record
+from fgenv.envs.contact_events import ContactEvent
 from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
 from fgenv.scenarios.errors import near
-from fgenv.view.contact_events import ContactEvent
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.movie import Frame
 from fgenv.view.figures.overlay import Overlay

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 
 from fgenv.envs import Record
+from fgenv.envs.contact_events import contact_events
 from fgenv.envs.state_readers import GONE
-from fgenv.view.contact_events import contact_events
 from fgenv.view.figures.annotations import Annotations
 from fgenv.view.figures.camera_path import CameraPath
 from fgenv.view.figures.movie import Frame

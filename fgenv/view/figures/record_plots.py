@@ -10,10 +10,10 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.envs import Record
+from fgenv.envs.contact_events import contact_events
 from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
 from fgenv.scenarios.errors import near
-from fgenv.view.contact_events import contact_events
 from fgenv.view.figures.canvas import check_plot_path, legend_beside, new_figure, save_figure
 from fgenv.view.figures.palette import INK, TEAM, robot_color
 from fgenv.view.mask_links import present_robots, world_at

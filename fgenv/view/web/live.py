@@ -150,7 +150,7 @@ class Live:
         self.panel.show_status(
             f"**{simulator.steps[world] * simulator.dt:.1f} s**, step {simulator.steps[world]}"
             f" of {simulator.horizon}; {arrived} of {simulator.n_robots} arrived;"
-            f" {contacts} robot steps in contact"
+            f" {contacts} steps in contact"
         )
 
     def _follow_robot(self, q: Floats) -> None:

@@ -40,12 +40,12 @@
     const it = document.createElement("div");
     it.id = "fgenv-head";
     const count = contacts.length;
-    const collisions = count === 0 ? "no collisions" : count === 1 ? "1 collision" : `${count} collisions`;
+    const events = count === 0 ? "no contact events" : count === 1 ? "1 contact event" : `${count} contact events`;
     it.innerHTML = "<b></b><div></div><div></div>";
     it.children[0].textContent = title;
-    it.children[1].textContent = `${seconds.toFixed(1)} s, ${collisions}`;
+    it.children[1].textContent = `${seconds.toFixed(1)} s, ${events}`;
     it.children[2].textContent =
-      "Space: play; ← →: a step" + (count ? "; N, P: next, previous collision" : "");
+      "Space: play; ← →: a step" + (count ? "; N, P: next, previous contact event" : "");
     document.body.appendChild(it);
   }
 

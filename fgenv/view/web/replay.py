@@ -20,9 +20,9 @@ import trimesh
 from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.envs import Record
+from fgenv.envs.contact_events import ContactEvent, contact_events
 from fgenv.envs.state_readers import GONE
 from fgenv.scenarios import Built
-from fgenv.view.contact_events import ContactEvent, contact_events
 from fgenv.view.figures.palette import BLACK, robot_color
 from fgenv.view.robot_poses import base_paths
 
