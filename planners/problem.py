@@ -122,7 +122,7 @@ class Problem:
     def kinds(self) -> tuple[int, ...]:
         """Kind of each robot; interchangeable robots have the same kind and share a roadmap."""
         known: dict[Any, int] = {}
-        named = {name for pair in self.scenario.allowed for name in pair}
+        named = {name.partition("/")[0] for pair in self.scenario.allowed for name in pair}
         keys = [
             (s.model, s.mount.pose.tobytes(), s.groups, s.name if s.name in named else "")
             for s in self.scenario.robots

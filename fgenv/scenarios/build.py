@@ -15,6 +15,7 @@ from fgenv.arrays import Floats
 from fgenv.collision import Shape, World
 from fgenv.robots import Robot
 
+from .model_parts import with_attached, with_locked_joints
 from .schema import Model, RobotSpec, ScenarioSpec
 
 ROBOTS, STATIC = "robots", "static"  # groups of all robots, and of all bodies
@@ -68,7 +69,8 @@ class Built:
         """
         world = World()
         for a, b in self.allowed:
-            world.allow_groups(a, b)
+            if "/" not in a + b:
+                world.allow_groups(a, b)
         bodies = zip(self.shapes, self.poses, self.names, self.body_groups, strict=True)
         for shape, pose, name, groups in bodies:
             world.add(shape, pose, name=name, groups=groups)
@@ -78,8 +80,44 @@ class Built:
         return world
 
     def add_robot(self, world: World, i: int, q: Floats) -> int:
-        """Add robot i at a configuration (nq,); returns its id."""
-        return world.add_robot(self.robots[i], q, name=self.groups[i][0], groups=self.groups[i])
+        """Add robot i at a configuration (nq,); returns its id.
+
+        Raises:
+            ValueError: `allowed` names a link that the robot does not have.
+        """
+        robot = world.add_robot(self.robots[i], q, name=self.groups[i][0], groups=self.groups[i])
+        for pair in self.allowed:
+            if "/" in "".join(pair):
+                self._allow_links(world, pair)
+        return robot
+
+    def _allow_links(self, world: World, pair: tuple[str, str]) -> None:
+        """Exclude a pair from collision checks of which at least one is a link, ROBOT/LINK."""
+        first, second = (self._members(world, name) for name in pair)
+        for a in first:
+            for b in second:
+                if a != b:
+                    world.allow(a, b)
+
+    def _members(self, world: World, name: str) -> list[int]:
+        """Ids of the bodies of a link, or of a group, that are in a world."""
+        present = dict(zip(world.names, world.ids.tolist(), strict=True))
+        if "/" not in name:
+            own = [i for i, groups in enumerate(self.groups) if name in groups]
+            robots = [int(b) for i in own if self.groups[i][0] in present
+                      for b in world.parts(self.groups[i][0])]  # fmt: skip
+            bodies = zip(self.names, self.body_groups, strict=True)
+            return robots + [present[body] for body, groups in bodies if name in groups]
+        label, _, link = name.partition("/")
+        own = [i for i, groups in enumerate(self.groups) if groups[0] == label]
+        if not own:
+            raise ValueError(f"allowed: got {name!r}, expected ROBOT/LINK of a robot here")
+        if label not in present:
+            return []
+        i = own[0]
+        at = self.robots[i].link_index(link)
+        ids = zip(world.parts(label).tolist(), self.robots[i].parts, strict=False)
+        return [body for body, part in ids if part.link == at]
 
 
 def assemble(
@@ -119,8 +157,11 @@ def robot_model(scenario: ScenarioSpec, model: Model) -> Robot:
         return Robot.from_mesh(shape, base, drive=drive, workspace=space)
     path = urdf_path(model.urdf, scenario.folder)
     srdf = None if model.srdf is None else urdf_path(model.srdf, scenario.folder, "srdf")
-    robot = Robot.from_urdf(path, base, drive=drive, workspace=space, srdf=srdf)
-    return robot.with_allowed_collisions(model.allowed)
+    robot = Robot.from_urdf(path, base, workspace=space, srdf=srdf)
+    shapes = {item.shape: scenario.shapes[item.shape].shape(scenario.folder)
+              for item in model.attached if item.shape in scenario.shapes}  # fmt: skip
+    robot = with_attached(with_locked_joints(robot, model.locked), model.attached, shapes)
+    return robot.with_allowed_collisions(model.allowed).replace(drive=drive)
 
 
 def robot_of(model: Robot, spec: RobotSpec) -> Robot:

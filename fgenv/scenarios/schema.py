@@ -62,6 +62,17 @@ class Workspace(Spec):
         return self
 
 
+class Attachment(Placement):
+    """An object that a link carries: a link of its own, fixed to it."""
+
+    name: Label = Field(description="Unique among the links")
+    link: Name = Field(description="Link that carries the object; its frame is that of the pose")
+    shape: Name = Field(description="Name of a shape")
+    touch_links: tuple[Name, ...] = Field(
+        default=(), description="Other links that the object may touch"
+    )
+
+
 class Model(Spec):
     """A kind of robot: one shape, or a URDF file."""
 
@@ -83,13 +94,20 @@ class Model(Spec):
         default=(), description="Pairs of links excluded from self-collision checks"
     )
     lidar: Lidar | None = Field(default=None, description="Range sensor")
+    locked: dict[Name, Coordinate] = Field(
+        default={}, description="Joints that are fixed, with their values (m or rad)"
+    )
+    attached: tuple[Attachment, ...] = Field(
+        default=(), max_length=1000, description="Objects that links carry"
+    )
 
     @model_validator(mode="after")
     def _one_of(self) -> Self:
         if (self.shape is None) == (self.urdf is None):
             raise ValueError("has both shape and urdf" if self.urdf else "has no shape or urdf")
-        if self.srdf is not None and self.urdf is None:
-            raise ValueError("has srdf but no urdf")
+        for part in ("srdf", "locked", "attached"):
+            if getattr(self, part) and self.urdf is None:
+                raise ValueError(f"has {part} but no urdf")
         return self
 
 
@@ -153,8 +171,8 @@ class ScenarioSpec(Spec):
     bodies: tuple[Body, ...] = Field(default=(), max_length=1_000_000)
     allowed: tuple[tuple[Name, Name], ...] = Field(
         default=(),
-        description="Pairs excluded from collision checks: names of groups, robots or bodies;"
-        " 'robots' is the group of all robots, 'static' of all bodies",
+        description="Pairs excluded from collision checks: names of groups, robots or bodies, or"
+        " ROBOT/LINK for a link; 'robots' is the group of all robots, 'static' of all bodies",
     )
 
     _folder: Path | None = PrivateAttr(None)

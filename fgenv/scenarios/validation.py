@@ -52,6 +52,9 @@ def reference_faults(scenario: ScenarioSpec, dropped: Collection[str] = ()) -> I
     for name, model in scenario.models.items():
         if model.shape is not None:
             yield from _reference(("models", name, "shape"), model.shape, scenario.shapes, dropped)
+        for i, item in enumerate(model.attached):
+            place = ("models", name, "attached", i, "shape")
+            yield from _reference(place, item.shape, scenario.shapes, dropped)
     for i, robot in enumerate(scenario.robots):
         yield from _reference(("robots", i, "model"), robot.model, scenario.models, dropped)
     for i, body in enumerate(scenario.bodies):
@@ -61,7 +64,13 @@ def reference_faults(scenario: ScenarioSpec, dropped: Collection[str] = ()) -> I
     groups = {ROBOTS, STATIC, *(g for p in parts for g in (p.name or "", *p.groups))}
     for i, pair in enumerate(scenario.allowed):
         for k in (0, 1):
-            yield from _reference(("allowed", i, k), pair[k], groups - {""}, dropped)
+            label, slash, _ = pair[k].partition("/")
+            known: Collection[str] = groups - {""}
+            if slash and all(spec.name != label for spec in scenario.robots):
+                known = [f"{spec.name}/..." for spec in scenario.robots]
+            elif slash:  # the link is checked once the robot is built
+                known = [pair[k]]
+            yield from _reference(("allowed", i, k), pair[k], known, dropped)
     if scenario.time_step > scenario.horizon:
         text = f"is {scenario.time_step:g} s, longer than the horizon of {scenario.horizon:g} s"
         yield Fault(("time_step",), text, "shorten it")
@@ -139,8 +148,21 @@ def build_valid(
             faults += wrong
         else:
             robots[i] = robot
+        faults += _link_faults(scenario, robot)
     bodies = [i for i, body in enumerate(scenario.bodies) if body.shape in shapes]
-    return assemble(_with_distinct_names(scenario), shapes, robots, bodies), list(robots), faults
+    known = {f"{r.name}/{link.name}" for r in robots.values() for link in r.links}
+    allowed = [p for p in scenario.allowed if all("/" not in name or name in known for name in p)]
+    distinct = _with_distinct_names(scenario.model_copy(update={"allowed": tuple(allowed)}))
+    return assemble(distinct, shapes, robots, bodies), list(robots), faults
+
+
+def _link_faults(scenario: ScenarioSpec, robot: Robot) -> Iterator[Fault]:
+    """Links in `allowed` that the robot does not have."""
+    links = [f"{robot.name}/{link.name}" for link in robot.links]
+    for i, pair in enumerate(scenario.allowed):
+        for k in (0, 1):
+            if pair[k].startswith(f"{robot.name}/"):
+                yield from _reference(("allowed", i, k), pair[k], links, ())
 
 
 def _with_distinct_names(scenario: ScenarioSpec) -> ScenarioSpec:

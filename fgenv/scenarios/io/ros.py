@@ -15,13 +15,25 @@ DECIMALS = 12  # of angles, so that all machines give the same bits
 
 
 def pose_of(node: Node | None) -> Floats:
-    """A geometry_msgs/Floats, (4, 4); missing numbers are 0."""
+    """A geometry_msgs/Pose, (4, 4); missing numbers are 0."""
     pose = np.eye(4)
     if node is None:
         return pose
     if (turn := node.find("orientation")) is not None:
         pose[:3, :3] = turned(turn)
     if (at := node.find("position")) is not None:
+        pose[:3, 3] = at.numbers("xyz")
+    return pose
+
+
+def transform_of(node: Node | None) -> Floats:
+    """A geometry_msgs/Transform, (4, 4); missing numbers are 0."""
+    pose = np.eye(4)
+    if node is None:
+        return pose
+    if (turn := node.find("rotation")) is not None:
+        pose[:3, :3] = turned(turn)
+    if (at := node.find("translation")) is not None:
         pose[:3, 3] = at.numbers("xyz")
     return pose
 
@@ -56,20 +68,26 @@ def placement(pose: Floats) -> Placement:
     return Placement(position=(x, y, z), rpy=(a, b, c))
 
 
-def joints(state: Node) -> dict[str, float]:
-    """Values of joints by name, of a sensor_msgs/JointState."""
+def joints(state: Node | None) -> dict[str, float]:
+    """Values of joints by name, of a sensor_msgs/JointState at rest."""
+    if state is None:
+        return {}
     names, values = list(state.items("name")), list(state.items("position"))
     if len(names) != len(values):
         state.fail(f"has {len(names)} names, {len(values)} positions", "expected one for each")
-    return {name.text(): value.number() for name, value in zip(names, values, strict=True)}
+    if (speeds := state.find("velocity")) is not None and speeds.nonzero():
+        speeds.fail("is not 0, which is not supported", "expected a start at rest")
+    found: dict[str, float] = {}
+    for name, value in zip(names, values, strict=True):
+        if name.text() in found:
+            name.fail(f"{name.text()!r} stands twice", "keep one")
+        found[name.text()] = value.number()
+    return found
 
 
 def mounted(state: Node | None) -> Placement:
     """Where the start state puts the robot: the transform of its virtual joint."""
-    first = None if state is None else next(state.items("transforms"), None)
-    if first is None:
-        return Placement()
-    pose = np.eye(4)
-    pose[:3, :3] = turned(first.get("rotation"))
-    pose[:3, 3] = first.get("translation").numbers("xyz")
-    return placement(pose)
+    transforms = [] if state is None else list(state.items("transforms"))
+    if len(transforms) > 1:
+        transforms[1].fail("is a second transform", "expected that of the virtual joint alone")
+    return placement(transform_of(transforms[0])) if transforms else Placement()

@@ -29,22 +29,34 @@ class Node:
         """The top of a file.
 
         Raises:
-            ScenarioError: not YAML.
+            ScenarioError: not YAML, or repeated keys.
             OSError: as opening it does.
         """
-        document = read(Path(path), FastLoader)
-        return cls(Path(path), document, document.data)
+        return cls.of(read(Path(path), FastLoader), Path(path))
 
     @classmethod
     def parsed(cls, text: str, path: str | Path) -> Node:
         """The top of a text; `path` is for messages."""
-        document = parse(text, Path(path), FastLoader)
-        return cls(Path(path), document, document.data)
+        return cls.of(parse(text, Path(path), FastLoader), Path(path))
+
+    @classmethod
+    def of(cls, document: Document, path: Path) -> Node:
+        """The top of a document."""
+        if document.problems:
+            raise ScenarioError(path, document.problems)
+        return cls(path, document, document.data)
+
+    def child(self, step: str | int, value: Any) -> Node:
+        """The value under a key or index."""
+        return Node(self.path, self.document, value, (*self.place, step))
+
+    def problem(self, text: str, remedy: str) -> Problem:
+        """A problem of this place."""
+        return Problem(text, remedy, path_text(self.place), self.document.line(self.place))
 
     def fail(self, text: str, remedy: str) -> NoReturn:
         """Raise a ScenarioError about this place."""
-        line = self.document.line(self.place)
-        raise ScenarioError(self.path, [Problem(text, remedy, path_text(self.place), line)])
+        raise ScenarioError(self.path, [self.problem(text, remedy)])
 
     def find(self, *keys: str) -> Node | None:
         """The value under nested keys; None if it is missing or null."""
@@ -54,7 +66,7 @@ class Node:
                 node.fail(f"is {short(node.value)}", f"expected a table with {key}")
             if node.value.get(key) is None:
                 return None
-            node = Node(node.path, node.document, node.value[key], (*node.place, key))
+            node = node.child(key, node.value[key])
         return node
 
     def get(self, *keys: str) -> Node:
@@ -75,7 +87,7 @@ class Node:
         if not isinstance(node.value, list):
             node.fail(f"is {short(node.value)}", "expected a list")
         for i, value in enumerate(node.value):
-            yield Node(node.path, node.document, value, (*node.place, i))
+            yield node.child(i, value)
 
     def number(self) -> float:
         """A number; NaN is an error."""
@@ -86,16 +98,28 @@ class Node:
         return float(value)
 
     def numbers(self, keys: Sequence[str]) -> Numbers:
-        """One number per key: from a list, or from a table with these keys."""
+        """One number per key: from a list, or from a table with these keys; missing ones are 0."""
         if isinstance(self.value, dict):
-            return tuple(self.get(key).number() for key in keys)
-        found = tuple(item.number() for item in self.items())
-        if len(found) != len(keys):
-            self.fail(f"has {len(found)} numbers", f"expected {len(keys)}: {', '.join(keys)}")
-        return found
+            found = [self.find(key) for key in keys]
+            return tuple(0.0 if node is None else node.number() for node in found)
+        listed = tuple(item.number() for item in self.items())
+        if len(listed) != len(keys):
+            self.fail(f"has {len(listed)} numbers", f"expected {len(keys)}: {', '.join(keys)}")
+        return listed
 
     def text(self) -> str:
         """A name."""
         if not isinstance(self.value, str) or not 0 < len(self.value) <= LONGEST:
             self.fail(f"is {short(self.value)}", f"expected a name of up to {LONGEST} letters")
         return str(self.value)
+
+    def nonzero(self) -> bool:
+        """Whether the value holds anything but zeros, empty text, false and null."""
+        values = [self.value]
+        while values:
+            value = values.pop()
+            if isinstance(value, (dict, list)):
+                values += value.values() if isinstance(value, dict) else value
+            elif value:
+                return True
+        return False
