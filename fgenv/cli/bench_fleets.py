@@ -8,6 +8,7 @@ import typer
 
 from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, SetCases, SharePlot
+from fgenv.cli.progress import status
 
 WhichFleets = Annotated[
     str, typer.Option("--fleets", help="all, or parts of fleets' names, with commas.")
@@ -34,11 +35,11 @@ def fleets(
     report.machine()
     rows: list[dict[str, Any]] = []
     try:
-        with report.console.status("planning") as status:
+        with status("planning") as update:
             for record in bench_fleets(fleets, cases):
                 rows.append(record)
                 solved = f"{record['solved']} of {record['cases']}"
-                status.update(f"{record['fleet']}, {record['method']}: {solved}")
+                update(f"{record['fleet']}, {record['method']}: {solved}")
     finally:  # an interrupted benchmark reports its finished part
         report.console.print(table_of(rows))
         report.console.print(NOTE)

@@ -9,6 +9,7 @@ import typer
 
 from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, RatioPlot, Seed, file_option
+from fgenv.cli.progress import status
 
 WhichPairs = Annotated[str, typer.Option("--pairs", help="all, quick, or part of a pair's name.")]
 Peers = Annotated[
@@ -57,11 +58,11 @@ def pairs(
     report.machine({name: peer(name).version for name in names})
     options: dict[str, Any] = {"poses": poses, "seed": seed, "near": near}
     records = []
-    with report.console.status("loading meshes, drawing poses") as status:
+    with status("loading meshes, drawing poses") as update:
         for record in bench_pairs(which=which, peers=names, threads=threads, **options):
             records.append(record)
             report.console.print(peer_table(record))
-            status.update(f"{len(records)} pairs done")
+            update(f"{len(records)} pairs done")
     overall = geometric_means(records)
     if overall:
         report.console.print(ratio_table(records, overall))

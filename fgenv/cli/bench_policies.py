@@ -8,6 +8,7 @@ import typer
 
 from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Jobs, Json, SetCases, SharePlot
+from fgenv.cli.progress import status
 
 WhichSets = Annotated[
     str,
@@ -36,9 +37,9 @@ def policies(
     report = BenchReport(as_json, plot=plot)
     trials, rows = select_trials(which), list[dict[str, Any]]()
     try:
-        with report.console.status("running") as status:
+        with status("running") as update:
             for k, trial in enumerate(trials):
-                status.update(f"{trial.name}, {k + 1} of {len(trials)}")
+                update(f"{trial.name}, {k + 1} of {len(trials)}")
                 rows += run(trial, cases, jobs)
     finally:  # an interrupted benchmark reports its finished part
         report.console.print(table_of(rows, cases))

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fgenv.cli.progress import status
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -69,13 +71,13 @@ class BenchReport:
             first: status at the beginning.
         """
         rows: Rows = {}
-        with self.console.status(first) as status:
-            for done, (part, record) in enumerate(records(status.update), 1):
+        with status(first) as update:
+            for done, (part, record) in enumerate(records(update), 1):
                 if rows and part not in rows:
                     last = list(rows)[-1]
                     show(self.console, last, rows[last])
                 rows.setdefault(part, []).append(record)
-                status.update(f"{part}: {done} rows done")
+                update(f"{part}: {done} rows done")
         last = list(rows)[-1]
         show(self.console, last, rows[last])
         return rows

@@ -8,6 +8,7 @@ import typer
 
 from fgenv.cli.bench_report import BenchReport
 from fgenv.cli.options import Json, RatioPlot, Seed
+from fgenv.cli.progress import status
 
 Rounds = Annotated[int, typer.Option("--rounds", min=1, help="Number of rounds.")]
 
@@ -30,8 +31,8 @@ def train(
 
     report = BenchReport(as_json, plot=plot)
     report.machine()
-    with report.console.status("learning") as status:
-        records = bench_train(rounds=rounds, seed=seed, progress=status.update)
+    with status("learning") as update:
+        records = bench_train(rounds=rounds, seed=seed, progress=update)
     columns = {
         "rows by": ("name", text),
         "rows": ("rows", count),

@@ -11,6 +11,7 @@ import typer
 
 from fgenv.cli.errors import FAILED_CHECK
 from fgenv.cli.options import Json, Seed
+from fgenv.cli.progress import status
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -77,11 +78,11 @@ def measured_pairs(console: Console, poses: int, seed: int, tolerance: float) ->
     from fgenv.bench.comparison import PAIRS, compare_pairs
 
     results: list[PairResult] = []
-    with console.status(PAIRS[0].name) as status:
+    with status(PAIRS[0].name) as update:
         for result in compare_pairs(poses, seed, tolerance):
             results.append(result)
             show(console, title(result), result.rows)
-            status.update(f"{len(results)} of {len(PAIRS)} pairs done")
+            update(f"{len(results)} of {len(PAIRS)} pairs done")
     return results
 
 

@@ -56,7 +56,7 @@ def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool)
         simulator = simulator_of(context, options, policy)
     require_plan(policy)
     began = time.perf_counter()
-    record, interrupted = run_episode(simulator, policy, options, console)
+    record, interrupted = run_episode(simulator, policy, options)
     seconds = time.perf_counter() - began
     results, tracking = Results.of(record), tracking_of(policy)
     notes = list(dict.fromkeys(str(warning.message) for warning in caught))
@@ -66,7 +66,7 @@ def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool)
         print_report(console, record, results, seconds, notes)
         print_tracking(console, tracking)
     if options.movie is not None and not interrupted:
-        write_episode_movie(record, options.movie, options.fps, console)
+        write_episode_movie(record, options.movie, options.fps)
     files = (options.record, None if interrupted else options.movie)
     written = [str(path) for path in files if path is not None]
     if as_json:
@@ -132,16 +132,14 @@ def simulator_of(context: typer.Context, options: EpisodeOptions, policy: Any) -
     return Simulator(name, clearance=True, autoreset=False, **overrides)
 
 
-def run_episode(
-    simulator: Simulator, policy: Any, options: EpisodeOptions, console: Console
-) -> tuple[Record, bool]:
+def run_episode(simulator: Simulator, policy: Any, options: EpisodeOptions) -> tuple[Record, bool]:
     """Return the record, and whether the episode was interrupted."""
     from fgenv import agents
     from fgenv.envs import Recorder
 
     recorder = Recorder(options.policy)
     steps = min(options.steps or simulator.horizon, simulator.horizon)
-    with progress(console) as bar:
+    with progress() as bar:
         task = bar.add_task(f"{simulator.scenario.name}, {options.policy}", total=steps)
         try:
             record = agents.run_episode(

@@ -25,8 +25,6 @@ from fgenv.cli.options import (
 from fgenv.cli.scenario_options import is_frozen_set, overrides_from
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from fgenv.agents.evaluation.evaluation import Evaluation
     from fgenv.scenarios import FrozenSet
 
@@ -84,9 +82,9 @@ def evaluate(
         if names.count(name) > 1:
             raise ValueError(f"--policy: got {name!r} twice, expected each policy once")
         policy_of(name, seed)
-    frozen_set = frozen_set_of(scenario, cases, overrides_from(n, size, set), console)
+    frozen_set = frozen_set_of(scenario, cases, overrides_from(n, size, set))
     result, began = Evaluation(frozen_set, names), time.perf_counter()
-    interrupted = run(result, seed, jobs, console)
+    interrupted = run(result, seed, jobs)
     data = {**as_data(result, seed), "wall_seconds": time.perf_counter() - began}
     if not as_json:
         print_report(console, result, data["wall_seconds"])
@@ -116,9 +114,7 @@ def write_files(result: Evaluation, csv: Path | None, plot: Path | None, title: 
     return written
 
 
-def frozen_set_of(
-    scenario: str, cases: int | None, overrides: dict[str, Any], console: Console
-) -> FrozenSet:
+def frozen_set_of(scenario: str, cases: int | None, overrides: dict[str, Any]) -> FrozenSet:
     """Return the frozen set of a file, or make one of a scenario."""
     from fgenv.cli.progress import progress
     from fgenv.scenarios import frozen
@@ -128,7 +124,7 @@ def frozen_set_of(
             raise ValueError("--cases: a set that is a file has its own, leave it out")
         return frozen(scenario, **overrides)
     count = cases or 100
-    with progress(console) as bar:
+    with progress() as bar:
         task = bar.add_task("making cases", total=count)
         return frozen(
             scenario,
@@ -138,12 +134,12 @@ def frozen_set_of(
         )
 
 
-def run(result: Evaluation, seed: int, jobs: int, console: Console) -> bool:
+def run(result: Evaluation, seed: int, jobs: int) -> bool:
     """Run the episodes of an evaluation; return whether it was interrupted."""
     from fgenv.agents.evaluation.evaluation import run_batches
     from fgenv.cli.progress import progress
 
-    with progress(console) as bar:
+    with progress() as bar:
         total = len(result.cases) * (len(result.policies) + 1)
         task = bar.add_task(result.cases.template.name, total=total)
         try:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fgenv.cli.errors import FAILED_CHECK
+from fgenv.cli.progress import status
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -42,7 +43,7 @@ def run_published(
         warnings.simplefilter("always")
         problem = three_tanks(mesh, scale=scale)
     report.heading(problem, seed, [str(warning.message) for warning in caught])
-    with report.console.status("driving"):
+    with status("driving"):
         experiment = run_experiment(problem, seed=seed, step=step, report=report.progress)
     report.results(experiment)
     written = draw(report.console, experiment, out) if pictures else []
@@ -57,9 +58,9 @@ def draw(console: Console, experiment: Experiment, folder: Path) -> list[str]:
     from fgenv.paper.figures import FIGURES, draw_figures
 
     written: list[str] = []
-    with console.status("drawing") as status:
+    with status("drawing") as update:
         for path in draw_figures(experiment, folder):
             written.append(str(path))
-            status.update(f"drawing, {len(written)} of {len(FIGURES)} done")
+            update(f"drawing, {len(written)} of {len(FIGURES)} done")
     console.print(f"{len(written)} pictures in {folder}/")
     return written

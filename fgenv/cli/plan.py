@@ -23,6 +23,7 @@ from fgenv.cli.options import (
     file_option,
     refuse_options,
 )
+from fgenv.cli.progress import status
 from fgenv.cli.scenario_options import load_scenario, overrides_from
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def plan(
             raise ValueError("--mesh: expected with --start and --goal, and without a scenario")
         problem = scenario_of_mesh(mesh, world, start, goal, scale)
     options: dict[str, Any] = {"method": method, "margin": margin, "objective": objective}
-    with recorded_interrupts() as interrupts:
+    with recorded_interrupts() as interrupts, status(f"planning, at most {time_limit:g} s"):
         try:
             result = plan_all(problem, planner, time_limit, seed, simplify, **options)
         except PlanningError as error:

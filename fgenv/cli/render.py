@@ -83,8 +83,6 @@ def render(
     masks highlights the bodies in each robot's mask for the motion of its next
     second, and links them to the robot by a line.
     """
-    from rich.console import Console
-
     from fgenv.cli.progress import MAX_FPS, write_episode_movie
     from fgenv.view.episodes import load_episode
     from fgenv.view.figures.annotations import check_annotations
@@ -113,8 +111,7 @@ def render(
     if png is not None:
         write_picture(episode, png, at, (width, height), look)
     for path in movies:
-        console = Console(highlight=False)
-        write_episode_movie(episode, path, fps, console, (width, height), look, speed)
+        write_episode_movie(episode, path, fps, (width, height), look, speed)
     echo_written(path for path in (gif, mp4, png) if path is not None)
 
 

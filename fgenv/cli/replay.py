@@ -22,8 +22,6 @@ def replay(record: Recorded, html: Html = None, open_it: OpenBrowser = False) ->
     pauses, the arrow keys step, N and P go to the next and previous event.
     Without --html the page is written beside the record, under its name.
     """
-    from rich.console import Console
-
     from fgenv.cli.progress import progress
     from fgenv.cli.view import open_page
     from fgenv.view.episodes import load_episode
@@ -34,7 +32,7 @@ def replay(record: Recorded, html: Html = None, open_it: OpenBrowser = False) ->
     path = record.with_suffix(".html") if html is None else html
     check_target(path, "--html", ".html", ".htm")
     episode = load_episode(record)
-    with progress(Console(highlight=False)) as bar:
+    with progress() as bar:
         task = bar.add_task("writing", total=None)
         size = write_replay(
             path, episode, lambda done, total: bar.update(task, completed=done, total=total)

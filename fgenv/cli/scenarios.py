@@ -57,6 +57,9 @@ def scenarios(
         refuse_options(context, OF_A_SCENARIO, reason)
         print_list(as_json)
         return
+    check_target(save, "--save", ".yaml", ".yml")
+    check_target(picture, "--picture", ".png")
+    check_target(freeze, "--freeze", ".npz")
     overrides = overrides_from(n, size, set)
     if freeze is not None:
         refuse_options(context, ("save", "picture"), "has no effect with --freeze")
@@ -123,18 +126,16 @@ def freeze_scenario(
     name: str, path: Path, cases: int, seed: int, overrides: dict[str, Any], as_json: bool
 ) -> None:
     """Write an evaluation set of a scenario."""
-    from rich.console import Console
-
+    from fgenv.cli.progress import progress
     from fgenv.scenarios import frozen
 
-    check_target(path, "--freeze", ".npz")
-    console = Console(stderr=True, highlight=False)
-    with console.status("making cases") as status:
+    with progress() as bar:
+        task = bar.add_task("making cases", total=cases)
         frozen_set = frozen(
             name,
             cases=cases,
             seed=seed,
-            progress=lambda done: status.update(f"{done} of {cases} cases made"),
+            progress=lambda done: bar.update(task, completed=done),
             **overrides,
         )
     frozen_set.save(path)

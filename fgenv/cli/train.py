@@ -123,13 +123,13 @@ def run(training: Training, console: Console) -> bool:
     """Train with progress; return whether the training was interrupted."""
     from fgenv.cli.progress import progress
 
-    with progress(console) as bar:
+    with progress() as bar:
         task = bar.add_task("learning", total=training.config.steps, completed=training.steps)
 
         def show(steps: int, check: EvaluationResult | None) -> None:
-            bar.update(task, completed=steps)
+            bar.update(task, completed=min(steps, training.config.steps))
             if check is not None:
-                bar.console.print(
+                console.print(
                     f"{steps:>10,} steps: success {check.success:.2f} of episodes,"
                     f" {check.robot_success:.3f} of robots; {check.collision:.3f} collide"
                 )

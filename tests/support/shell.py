@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from fgenv import cli
+from fgenv.cli import progress
 
 
 class Shell:
@@ -22,6 +23,7 @@ class Shell:
         patch.chdir(folder)
         patch.delenv("FGENV_DEBUG", raising=False)
         patch.setenv("COLUMNS", "120")
+        patch.setattr(progress, "INTERVAL", 1e6)  # s: no lines of progress, however slow the run
 
     def __call__(self, *words: object) -> tuple[int, str, str]:
         """Return exit code, stdout and stderr."""
