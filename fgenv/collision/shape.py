@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv import _core
 
 from .feature_graph import FeatureGraph, settings
+from .mesh_files import FileSummary, MeshReport, read_mesh_file, unit_warning
+from .mesh_files.report import area_and_volume
 
 IDENTITY = np.eye(4)
 
@@ -54,8 +56,9 @@ class Shape(_core.Shape):
     ) -> None:
         self.settings = settings(method, tolerance=tolerance, angle=angle)
         self.name = name
+        self._file: FileSummary | None = None
         super().__init__(vertices, faces, **self.settings._asdict())
-        self._report()
+        self._warn()
 
     @classmethod
     def load(
@@ -68,27 +71,34 @@ class Shape(_core.Shape):
         angle: float | tuple[float, float] | None = None,
         name: str | None = None,
     ) -> Shape:
-        """Read a mesh file (STL, OBJ, PLY, OFF, GLB, DAE, ...) with trimesh, without changes.
+        """Read a mesh file (STL, OBJ, PLY, OFF, GLB, glTF, DAE, 3MF, also packed by gzip or zip).
+
+        `report` lists the content. Lengths become meters by the unit that the file states or its
+        format implies, then are multiplied by `scale`. A `MeshWarning` reports a size that is
+        implausible in meters, for a format without unit. Axes are not converted.
 
         Args:
             path: the file; the meshes of a scene are placed and joined into one.
-            scale: factor to meters, e.g. 0.001 for a file in millimeters.
+            scale: factor, e.g. 0.001 for a file in millimeters of a format without unit.
             name: default: the file's stem.
 
         Raises:
             FileNotFoundError, ValueError: with the file's name and the remedy.
         """
-        from .mesh_files import read_mesh_file
-
-        mesh = read_mesh_file(Path(path), scale)
+        path = Path(path)
+        mesh = read_mesh_file(path, scale)
         options: dict[str, Any] = {"tolerance": tolerance, "angle": angle}
-        options["name"] = Path(path).stem if name is None else name
+        options["name"] = path.stem if name is None else name
+        if problem := unit_warning(mesh, scale):
+            warnings.warn(f"mesh {options['name']!r} {problem}", MeshWarning, stacklevel=2)
         try:
-            return cls(mesh.vertices, mesh.faces, method, **options)
+            shape = cls(mesh.vertices, mesh.faces, method, **options)
         except ValueError as error:
             if str(error).startswith(("vertices", "faces")):
-                raise ValueError(f"{path}: {error}") from None
+                raise ValueError(f"path: {path}: {error}") from None
             raise
+        shape._file = FileSummary.of(mesh, scale)
+        return shape
 
     @property
     def method(self) -> str:
@@ -99,6 +109,32 @@ class Shape(_core.Shape):
     def graph(self) -> FeatureGraph:
         """The feature graph, in the shape's frame."""
         return FeatureGraph._of(self.native_graph, self.method)
+
+    @cached_property
+    def report(self) -> MeshReport:
+        """What the shape was read from, the repairs, and its measures."""
+        vertices, repairs = self.vertices, self.repairs
+        area, volume = area_and_volume(vertices, self.faces)
+        low, high = self.bounds.tolist()
+        points, edges = self.feature_counts
+        faces = len(self.faces)
+        return MeshReport(
+            name=self.name,
+            file=self._file,
+            vertices_in=len(vertices) + repairs["merged_vertices"] + repairs["unused_vertices"],
+            faces_in=faces + repairs["degenerate_faces"] + repairs["duplicate_faces"],
+            vertices=len(vertices),
+            faces=faces,
+            repairs=repairs,
+            area=area,
+            volume=volume if self.watertight else None,
+            extents=(high[0] - low[0], high[1] - low[1], high[2] - low[2]),
+            watertight=self.watertight,
+            shells=self.shells,
+            feature_points=points,
+            feature_edges=edges,
+            method=self.method,
+        )
 
     def contains(
         self, points: ArrayLike, T: ArrayLike | None = None, *, threads: int | None = None
@@ -143,14 +179,14 @@ class Shape(_core.Shape):
         flat = self.flat_faces.reshape(-1, 3)
         more = np.arange(len(flat), dtype=np.int32).reshape(-1, 3) + len(self.vertices)
         mesh = np.vstack([self.vertices, flat]), np.vstack([self.faces, more])
-        return _rebuild, (type(self), *mesh, tuple(self.settings), self.name)
+        return _rebuild, (type(self), *mesh, tuple(self.settings), self.name, self._file)
 
-    def _report(self) -> None:
+    def _warn(self) -> None:
         label = f"mesh {self.name!r}" if self.name else "mesh"
         done = {what: n for what, n in self.repairs.items() if n}
         if not done.keys() <= {"merged_vertices"}:  # expected: an STL file repeats every vertex
-            told = ", ".join(f"{n} {what.replace('_', ' ')}" for what, n in done.items())
-            warnings.warn(f"{label} repaired: {told}", MeshWarning, stacklevel=4)
+            counts = ", ".join(f"{n} {what.replace('_', ' ')}" for what, n in done.items())
+            warnings.warn(f"{label} repaired: {counts}", MeshWarning, stacklevel=4)
         if not self.watertight:
             warnings.warn(
                 f"{label} is not watertight: its closed shells are solid, the rest is a surface",
@@ -165,12 +201,13 @@ def _rebuild(
     faces: NDArray[np.int32],
     chosen: tuple[str, float, float, float],
     name: str,
+    file: FileSummary | None = None,
 ) -> Shape:
     """Unpickle: the mesh is already repaired and reported."""
     method, valley, ridge, tolerance = chosen
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MeshWarning)
-        return cls(
+        shape = cls(
             vertices,
             faces,
             method,
@@ -178,3 +215,5 @@ def _rebuild(
             angle=(valley, ridge) if method in ("crease", "loop") else None,
             name=name,
         )
+    shape._file = file
+    return shape

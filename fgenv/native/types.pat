@@ -26,6 +26,10 @@ fgenv._core.Shape.repairs$:
     @property
     def repairs(self) -> dict[str, int]: ...
 
+fgenv._core.Shape.feature_counts$:
+    @property
+    def feature_counts(self) -> tuple[int, int]: ...
+
 fgenv._core.collide$:
     def collide(a: Shape, Ta: ArrayLike, b: Shape, Tb: ArrayLike, *, margin: float = 0.0, threads: int | None = None) -> Any:
         \doc

@@ -12,50 +12,77 @@ import numpy as np
 from fgenv.collision.feature_graph import is_number
 
 from .content import FileMesh, MeshSource, Unit
+from .files import open_mesh
+from .obj import read_obj
+from .off import read_off
+from .ply import read_ply
+from .report import FileSummary, MeshReport
+from .stl import read_stl
+from .units import unit_warning
 
-__all__ = ["FileMesh", "MeshSource", "Unit", "read_mesh_file"]
+__all__ = [
+    "READERS",
+    "FileMesh",
+    "FileSummary",
+    "MeshReport",
+    "MeshSource",
+    "Unit",
+    "read_mesh_file",
+    "unit_warning",
+]
 
-READERS: Mapping[str, Callable[[MeshSource], FileMesh]] = {}
+
+def _read_by_trimesh(source: MeshSource) -> FileMesh:
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(source.path, process=False)
+    except Exception as error:  # trimesh passes on any exception of its readers
+        source.fail(str(error).partition("\n")[0] or type(error).__name__, "a valid file")
+    vertices = np.asarray(getattr(mesh, "vertices", ()), dtype=np.float64).reshape(-1, 3)
+    faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
+    return FileMesh(source.suffix[1:].upper(), vertices, faces)
+
+
+READERS: Mapping[str, Callable[[MeshSource], FileMesh]] = {
+    ".stl": read_stl,
+    ".obj": read_obj,
+    ".ply": read_ply,
+    ".off": read_off,
+    ".glb": _read_by_trimesh,
+    ".gltf": _read_by_trimesh,
+    ".dae": _read_by_trimesh,
+    ".zae": _read_by_trimesh,
+    ".3mf": _read_by_trimesh,
+}
 
 
 def read_mesh_file(path: Path, scale: float = 1.0) -> FileMesh:
     """Read a mesh file; vertices are in meters, multiplied by scale after the file's unit.
 
-    Axes are not converted: `FileMesh.up` is the up axis that the file states.
+    A file may be packed: `part.stl.gz`, or a .zip with exactly one mesh. Axes are not converted:
+    `FileMesh.up` is the up axis that the file states.
 
     Raises:
         FileNotFoundError: no such file.
-        ValueError: empty, unknown format, unreadable, or without faces.
+        ValueError: not a regular file, unknown format, damaged content, or no faces; the message
+            names the file, the line or element, and the remedy.
     """
     if not (is_number(scale) and math.isfinite(scale) and scale > 0):
         raise ValueError(f"scale: got {scale!r}, expected a factor over 0")
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
-        raise FileNotFoundError(f"path: {path} {what}, expected a mesh file")
-    if path.stat().st_size == 0:
-        raise ValueError(f"path: {path} is empty, expected a mesh file")
-    suffix = path.suffix.lower()
-    if suffix in READERS:
-        mesh = READERS[suffix](MeshSource(path, suffix, path.read_bytes()))
-    else:
-        mesh = _read_by_trimesh(path)
+    source = open_mesh(path, READERS)
+    mesh = READERS[source.suffix](source)
+    _check(source, mesh)
     factor = scale * (1.0 if mesh.unit is None else mesh.unit.meters)
     return mesh if factor == 1.0 else replace(mesh, vertices=mesh.vertices * factor)
 
 
-def _read_by_trimesh(path: Path) -> FileMesh:
-    import trimesh
-
-    known = sorted(trimesh.available_formats())
-    if path.suffix.lower().lstrip(".") not in known:
-        raise ValueError(f"path: {path} has an unknown format, expected one of {', '.join(known)}")
-    try:
-        mesh = trimesh.load_mesh(path, process=False)
-    except Exception as error:  # trimesh passes on any exception of its readers
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ValueError(f"path: {path} cannot be read ({reason}), export it again") from error
-    vertices = np.asarray(getattr(mesh, "vertices", ()), dtype=np.float64)
-    faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)
-    if faces.size == 0:
-        raise ValueError(f"path: {path} has no faces, expected a triangle mesh")
-    return FileMesh(path.suffix.lower().lstrip(".").upper(), vertices, faces)
+def _check(source: MeshSource, mesh: FileMesh) -> None:
+    """Raise the error of a mesh that no reader may return."""
+    if not np.isfinite(mesh.vertices).all():
+        bad = int(np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))[0])
+        value = next(float(x) for x in mesh.vertices[bad] if not math.isfinite(x))
+        source.fail(f"vertex {bad} (from 0) with the coordinate {value}", "finite coordinates")
+    if len(mesh.faces) == 0:
+        rest = "; ".join(["export a mesh with faces", *mesh.notes])
+        source.fail(f"no faces ({len(mesh.vertices)} vertices)", f"a surface; {rest}")

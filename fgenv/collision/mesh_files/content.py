@@ -41,9 +41,12 @@ class MeshSource:
 class FileMesh:
     """The triangles that a mesh file specifies.
 
+    A reader returns vertices in the unit of the file. `read_mesh_file` alone applies the unit, for
+    every caller: it returns vertices in meters, and `unit` is the one that it has applied.
+
     Attributes:
         format: e.g. "binary STL".
-        vertices: (n, 3), in the unit of the file, placed as its scene places them.
+        vertices: (n, 3), placed as the scene of the file places them.
         faces: (m, 3), indices of vertices, counter-clockwise seen from outside.
         unit: of lengths; None if the format has none, which means meters.
         up: the up axis that the file states ("x", "y" or "z"); None if the format has none. Axes

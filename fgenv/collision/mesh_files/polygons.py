@@ -60,6 +60,11 @@ def triangulated(vertices: Vertices, counts: Ints, corners: Ints) -> Triangulati
     return Triangulation(faces, int((counts > 3).sum()), nonplanar, crossing)
 
 
+def crossing_note(count: int) -> str:
+    """The note of a report on polygons with sides that cross."""
+    return f"{count} polygons have sides that cross, and are cut from their first corner."
+
+
 def triangulated_with_holes(vertices: Vertices, rings: Sequence[Ints]) -> Faces:
     """Triangles (m, 3) of one polygon with holes: the outline, then the holes, as indices.
 

@@ -158,6 +158,9 @@ void bind_shape(nb::module_& m) {
                          return copy_out(rows, {2}, {3});
                      })
         .def_prop_ro("watertight", [](const Shape& s) { return s.mesh.watertight; })
+        .def_prop_ro("shells", [](const Shape& s) { return s.shells; })
+        .def_prop_ro("feature_counts",
+                     [](const Shape& s) { return nb::make_tuple(s.graph.points.size(), s.graph.edges.size()); })
         .def_prop_ro("radius", [](const Shape& s) { return s.radius; })
         .def_prop_ro("repairs", [](const Shape& s) { return repairs_of(s.mesh.repairs); })
         .def_prop_ro("nbytes", [](const Shape& s) { return memory_bytes(s); })

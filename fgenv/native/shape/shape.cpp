@@ -72,6 +72,12 @@ PackedBoxes find_solids(const Mesh& mesh, double& longest) {
     return pack_boxes(solids);
 }
 
+int32_t count_shells(const Mesh& mesh) {
+    std::vector<uint8_t> used(mesh.closed.size(), 0);
+    for (int32_t shell : mesh.shell) used[shell] = 1;
+    return static_cast<int32_t>(std::count(used.begin(), used.end(), 1));
+}
+
 constexpr size_t most_corners = 4096;
 constexpr size_t most_pieces = 64;
 
@@ -147,6 +153,7 @@ Shape build_shape(Mesh mesh, const GraphSettings& settings) {
         shape.reach = std::max({shape.reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     }
     find_pieces(shape, mesh);
+    shape.shells = count_shells(mesh);
     shape.box = corners_of(shape.tree.boxes[0]);
     shape.mesh = std::move(mesh);
     // Only the build needed these.

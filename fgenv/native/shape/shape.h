@@ -33,6 +33,7 @@ struct Shape {
     double reach = 0;              // the largest coordinate, up to its sign
     double smallest_part = 0;      // a part is at least this long
     double largest_solid = 0;      // a closed shell is at most this long
+    int32_t shells = 0;            // parts of the surface connected by edges
 };
 
 Shape build_shape(Mesh mesh, const GraphSettings& settings);
