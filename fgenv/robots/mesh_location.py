@@ -1,13 +1,10 @@
-"""Locations and units of mesh files that a URDF file refers to."""
+"""Locations of mesh files that a URDF file refers to."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from xml.etree import ElementTree
-
-from .links_joints import number_of
 
 
 def find_mesh(name: str, urdf: Path, package_dirs: Sequence[Path]) -> Path:
@@ -47,16 +44,3 @@ def candidates(name: str, urdf: Path, package_dirs: Iterable[Path]) -> Iterable[
         if folder.name == package:
             yield folder / rest
         yield folder / package / rest
-
-
-def unit_length(file: Path) -> float:
-    """Length of a unit of a mesh file, meters: from the file for COLLADA, else 1."""
-    if file.suffix.lower() == ".dae":
-        for _, element in ElementTree.iterparse(file):
-            if element.tag.endswith("}unit"):
-                return number_of(
-                    float(element.get("meter", "1")), f"{file}: unit", 0.0, finite=True
-                )
-            if element.tag.endswith("}asset"):
-                break
-    return 1.0

@@ -22,7 +22,7 @@ from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
 from .links_joints import Joint, Link, LinkShape, Mimic
-from .mesh_location import find_mesh, unit_length
+from .mesh_location import find_mesh
 from .urdf_document import check_document, load_model, numbers, parsed_document
 
 
@@ -126,7 +126,7 @@ class Reader:
                 )
             mesh_data = read_mesh_file(file, self.scale)
             faces = mesh_data.faces[:, ::-1] if np.prod(scale) < 0 else mesh_data.faces
-            vertices = mesh_data.vertices * scale * unit_length(file)
+            vertices = mesh_data.vertices * scale  # in meters
             self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
         return self.meshes[key]
 

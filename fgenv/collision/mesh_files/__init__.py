@@ -11,13 +11,16 @@ import numpy as np
 
 from fgenv.collision.feature_graph import is_number
 
+from .collada import read_collada
 from .content import FileMesh, MeshSource, Unit
 from .files import open_mesh
+from .gltf import read_gltf
 from .obj import read_obj
 from .off import read_off
 from .ply import read_ply
 from .report import FileSummary, MeshReport
 from .stl import read_stl
+from .threemf import read_threemf
 from .units import unit_warning
 
 __all__ = [
@@ -31,29 +34,16 @@ __all__ = [
     "unit_warning",
 ]
 
-
-def _read_by_trimesh(source: MeshSource) -> FileMesh:
-    import trimesh
-
-    try:
-        mesh = trimesh.load_mesh(source.path, process=False)
-    except Exception as error:  # trimesh passes on any exception of its readers
-        source.fail(str(error).partition("\n")[0] or type(error).__name__, "a valid file")
-    vertices = np.asarray(getattr(mesh, "vertices", ()), dtype=np.float64).reshape(-1, 3)
-    faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
-    return FileMesh(source.suffix[1:].upper(), vertices, faces)
-
-
 READERS: Mapping[str, Callable[[MeshSource], FileMesh]] = {
     ".stl": read_stl,
     ".obj": read_obj,
     ".ply": read_ply,
     ".off": read_off,
-    ".glb": _read_by_trimesh,
-    ".gltf": _read_by_trimesh,
-    ".dae": _read_by_trimesh,
-    ".zae": _read_by_trimesh,
-    ".3mf": _read_by_trimesh,
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+    ".dae": read_collada,
+    ".zae": read_collada,
+    ".3mf": read_threemf,
 }
 
 
