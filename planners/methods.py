@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import Any, NamedTuple
@@ -11,6 +10,7 @@ import numpy as np
 
 from fgenv.arrays import Floats
 
+from .deadline import Deadline
 from .errors import PlanningError
 from .multi.composite import plan_composite
 from .multi.conflict_based import plan_conflict_based
@@ -51,21 +51,21 @@ def prioritized(problem: Problem, time_limit: float, options: dict[str, Any]) ->
 
     Robots that then have no path join the group, until it contains all robots.
     """
-    end = time.monotonic() + time_limit
+    deadline = Deadline.after(time_limit)
     group: set[int] = set()
     fixed: dict[int, Floats] = {}
-    roadmaps = RoadmapSet(problem)
+    roadmaps = RoadmapSet(problem, deadline)
     while True:
-        share = PRIORITIZED_SHARE * _time_left(end)
+        share = PRIORITIZED_SHARE * _time_left(deadline)
         try:
             solution = plan_prioritized(problem, share, fixed=fixed, roadmaps=roadmaps)
             break
         except PlanningError as error:
             missing = () if error.best is None else error.best.missing
-            if not missing or time.monotonic() > end:
+            if not missing or deadline.left < 0:
                 raise
             group |= set(missing)
-        paths = _plan_jointly(problem, group, _time_left(end), options)
+        paths = _plan_jointly(problem, group, _time_left(deadline), options)
         fixed = dict(zip(sorted(group), paths, strict=True))
     together = [problem.names[i] for i in sorted(group)]
     return _timed_paths(solution, together=together)
@@ -88,8 +88,8 @@ METHODS: dict[str, Callable[[Problem, float, dict[str, Any]], TimedPaths]] = {
 }
 
 
-def _time_left(end: float) -> float:
-    return max(end - time.monotonic(), LEAST_TIME)
+def _time_left(deadline: Deadline) -> float:
+    return max(deadline.left, LEAST_TIME)
 
 
 def _plan_jointly(

@@ -151,10 +151,10 @@ class Problem:
         return int(robot)
 
     def check(self) -> None:
-        """Check that no robot collides at its start or goal; robots that vanish may share goals.
+        """Check the start and the goal of each robot; robots that vanish may share goals.
 
         Raises:
-            PlanningError: a robot collides; the message names the bodies.
+            PlanningError: a robot is outside its limits or collides; the message names the bodies.
         """
         for label, ends in (("start", self.starts), ("goal", self.goals)):
             world = self.world.copy()
@@ -167,7 +167,7 @@ class Problem:
                 self.check_robot(world, i, label)
 
     def check_robot(self, world: World, i: int, label: str) -> None:
-        """Check that robot i does not collide at its configuration in a world.
+        """Check that robot i is within its limits and free at its configuration in a world.
 
         The margin does not apply between links of one robot.
 
@@ -175,8 +175,13 @@ class Problem:
             label: `start` or `goal`, for the message.
 
         Raises:
-            PlanningError: it collides.
+            PlanningError: it is outside its workspace or its joint limits, or it collides.
         """
+        if not self.models[i].valid(world.configuration(self.names[i])):
+            raise PlanningError(
+                f"{label} of {self.names[i]!r}: is outside its workspace or its joint limits;"
+                f" move the {label}, or widen them"
+            )
         checker = joint_checker(world, [self.names[i]], [self.models[i].nq], self.margin)
         if not checker.valid(world.configuration(self.names[i])):
             near = f", or is closer than the margin of {self.margin:g} m" if self.margin else ""

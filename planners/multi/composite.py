@@ -17,6 +17,7 @@ from ompl import util as ou
 
 from fgenv.arrays import Floats
 from fgenv.collision import World
+from fgenv.planners.deadline import Deadline
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.ompl.objectives import objective_of
 from fgenv.planners.ompl.setup import Setup, setup
@@ -28,6 +29,7 @@ PLANNERS = (
     "RRT", "RRTConnect", "RRTstar", "InformedRRTstar", "SORRTstar", "AORRTC", "BITstar",
     "PRM", "PRMstar", "FMT", "BFMT", "KPIECE1", "BKPIECE1", "LBKPIECE1",
 )  # fmt: skip
+SEARCH_SHARE = 0.9  # of the time limit, where a simplification follows
 
 
 @dataclass(frozen=True)
@@ -80,8 +82,8 @@ def plan_composite(
     Args:
         robots: places of the robots in the problem; all by default.
         planner: one of `PLANNERS`.
-        time_limit: seconds of the search; optimizing planners use all of it. Simplification takes
-            additional time.
+        time_limit: seconds; the search has 0.9 of them if the path is simplified. Optimizing
+            planners use all of their time.
         simplify: shorten the path.
         objective: `length`, `clearance` or `time`; the planner's own by default.
         motions: maximum number of checked motions; 0: unlimited.
@@ -95,11 +97,12 @@ def plan_composite(
     """
     _check_arguments(planner, objective, time_limit)
     robots = tuple(range(len(problem.names)) if robots is None else robots)
-    began = time.perf_counter()
+    began, deadline = time.perf_counter(), Deadline.after(time_limit)
+    search_time = time_limit * (SEARCH_SHARE if simplify else 1.0)
     with _seeded(problem.seed):
         ss = setup(problem, robots, steering=steering, world=world)
         cpu = time.process_time()
-        states = _search(ss, planner, objective, time_limit, motions)
+        states = _search(ss, planner, objective, search_time, motions)
         cpu = time.process_time() - cpu
         found_after = time.perf_counter() - began
         if states is None:
@@ -112,7 +115,7 @@ def plan_composite(
         facts = {"planner": planner, "found_after": found_after, "search": cpu}
         facts["waypoints_found"] = len(states)
         if simplify:
-            states = simplified(ss, states)
+            states = simplified(ss, states, deadline)
     data = _planner_data(ss, graph or planner != "BITstar")  # OMPL 2.0.1: BITstar's data leaks
     facts |= {"seconds": time.perf_counter() - began, **_counts(ss, data)}
     return JointPath(robots, steered(ss, states), facts, _graph(ss, data) if graph else None)

@@ -8,8 +8,7 @@ since they need grids; roadmaps with moving geometry are not supported by any ma
 
 from __future__ import annotations
 
-import time
-
+from fgenv.planners.deadline import Deadline
 from fgenv.planners.problem import Problem
 from fgenv.planners.sipp.sipp import SearchBudget
 
@@ -46,8 +45,8 @@ def plan_conflict_based(
     """
     if not suboptimality >= 1.0:
         raise ValueError(f"suboptimality: got {suboptimality}, expected 1 or more")
-    budget = SearchBudget(time.monotonic() + time_limit)
-    roadmaps = roadmaps or RoadmapSet(problem)
+    budget = SearchBudget(Deadline.after(time_limit))
+    roadmaps = roadmaps or RoadmapSet(problem, budget.deadline)
     roadmaps.check()
     solution = MetaAgentSearch(roadmaps, budget, suboptimality, joint_planner).run()
     if not solution.complete:

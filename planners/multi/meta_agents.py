@@ -6,7 +6,6 @@ G. Sharon et al., "Meta-agent conflict-based search for optimal multi-agent path
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -61,7 +60,7 @@ class MetaAgentSearch:
         assert self.joint_planner is not None
         merged = [group for group in self.meta_agents if set(group) & set(robots)]
         group = tuple(sorted(set(robots).union(*merged)))
-        left = self.budget.deadline - time.monotonic()
+        left = self.budget.deadline.left
         if left <= 0:
             return False
         share = 1.0 if len(group) == len(self.roadmaps.kinds) else TIME_SHARE

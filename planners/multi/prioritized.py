@@ -6,12 +6,12 @@ by safe intervals, with rip-up and with restarts in other priority orders.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
 
 from fgenv.arrays import Floats
+from fgenv.planners.deadline import Deadline
 from fgenv.planners.problem import Problem
 from fgenv.planners.sipp.sipp import RoadmapPath, SearchBudget
 
@@ -46,8 +46,8 @@ def plan_prioritized(
         PlanningError: starts or goals collide, or no solution is found. In the second case `best`
             is the Solution of the best order.
     """
-    budget = SearchBudget(time.monotonic() + time_limit)
-    roadmaps = roadmaps or RoadmapSet(problem)
+    budget = SearchBudget(Deadline.after(time_limit))
+    roadmaps = roadmaps or RoadmapSet(problem, budget.deadline)
     roadmaps.check()
     timed = {i: roadmaps.add_path(i, path) for i, path in (fixed or {}).items()}
     planner = PriorityPlanner(roadmaps, budget, timed, {}, WEIGHT)

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from fgenv.arrays import Floats
+from fgenv.planners.deadline import NEVER, Deadline
 from fgenv.planners.errors import PlanningError
 from fgenv.planners.problem import Problem
 from fgenv.planners.roadmap.construction import build_roadmap
@@ -25,10 +26,13 @@ from .solution import SearchStats
 
 
 class RoadmapSet:
-    """A problem's roadmaps, one per kind of robot, built on demand and shared by searches."""
+    """A problem's roadmaps, one per kind of robot, built on demand and shared by searches.
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+    PlanningError is raised if the deadline passes before they are built.
+    """
+
+    def __init__(self, problem: Problem, deadline: Deadline = NEVER) -> None:
+        self.problem, self.deadline = problem, deadline
         self._waiting: dict[tuple[int, int], TimedPath] = {}
         self._timed: WeakKeyDictionary[RoadmapPath, TimedPath] = WeakKeyDictionary()
 
@@ -41,7 +45,9 @@ class RoadmapSet:
     @cached_property
     def roadmaps(self) -> tuple[Roadmap, ...]:
         """Roadmap of each kind."""
-        return tuple(build_roadmap(self.problem, k) for k in sorted(set(self.problem.kinds)))
+        return tuple(
+            build_roadmap(self.problem, k, self.deadline) for k in sorted(set(self.problem.kinds))
+        )
 
     @cached_property
     def pairs(self) -> PairCache:

@@ -8,40 +8,47 @@ import numpy as np
 from ompl import geometric as og
 
 from fgenv.arrays import Floats
+from fgenv.planners.deadline import NEVER, Deadline
 
 from .setup import Setup
 
 ROUNDS = 4
+ROPE_STEPS = 32  # states along a path between which shortcuts are tried
 
 
-def simplified(ss: Setup, states: Floats) -> Floats:
-    """Shorten a path of joint states (m, size); its motions are checked again.
+def simplified(ss: Setup, states: Floats, deadline: Deadline) -> Floats:
+    """Shorten a path of joint states (m, size) until a deadline; its motions are checked again.
 
     Where robots steer, only vertices are removed: OMPL's shortcuts interpolate along straight
     motions.
     """
     path = _path(ss, states)
     straight = all(layout.steering.method == "straight" for layout in ss.layouts)
-    simplify(ss.getSpaceInformation(), path, straight)
+    simplify(ss.getSpaceInformation(), path, straight, deadline)
     if ss.motions.error is not None:
         raise ss.motions.error
     shorter = ss.states_of(path)
     return shorter if ss.motions._core.free(shorter[:-1], shorter[1:]).all() else states
 
 
-def simplify(si: Any, path: Any, shortcuts: bool = True) -> None:
+def simplify(si: Any, path: Any, shortcuts: bool = True, deadline: Deadline = NEVER) -> None:
     """Shorten OMPL's path in place, by shortcuts, if given, and by removing vertices.
 
-    The number of steps is fixed, unlike in OMPL's own simplification, which is limited by time.
+    The number of steps is fixed, unlike in OMPL's own simplification, up to the deadline.
     """
     simplifier = og.PathSimplifier(si)
-    for _ in range(ROUNDS):
-        if shortcuts:
-            simplifier.ropeShortcutPath(path)
-        simplifier.reduceVertices(path)
-        if shortcuts:
-            simplifier.partialShortcutPath(path)
-    simplifier.reduceVertices(path)
+
+    def rope_shortcut(path: Any) -> None:
+        # The step is a part of the path: the work does not depend on the unit of length.
+        simplifier.ropeShortcutPath(path, path.length() / ROPE_STEPS)
+
+    round_of_steps = [simplifier.reduceVertices]
+    if shortcuts:
+        round_of_steps = [rope_shortcut, simplifier.reduceVertices, simplifier.partialShortcutPath]
+    for step in [*(ROUNDS * round_of_steps), simplifier.reduceVertices]:
+        if deadline.left < 0:
+            return
+        step(path)
 
 
 def _path(ss: Setup, states: Floats) -> Any:

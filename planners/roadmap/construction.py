@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from fgenv.arrays import Floats, Ints
+from fgenv.planners.deadline import NEVER, Deadline
 from fgenv.planners.problem import Problem
 from fgenv.planners.timing import steps_of
 from fgenv.robots import Robot
@@ -27,17 +28,20 @@ NEIGHBORS = 12
 REACH = 1.6  # distance of neighbors, in pitches
 
 
-def build_roadmap(problem: Problem, kind: int) -> Roadmap:
+def build_roadmap(problem: Problem, kind: int, deadline: Deadline = NEVER) -> Roadmap:
     """Build the roadmap of a kind of robot, with all of its starts and goals.
 
     Rounds use more vertices each, until every robot of the kind has a path from start to goal; if
     none achieves that, the roadmap of the last round is returned. The same problem gives the same
     roadmap.
+
+    Raises:
+        PlanningError: the deadline passed before a roadmap was complete.
     """
     members = [i for i, k in enumerate(problem.kinds) if k == kind]
     robot = problem.models[members[0]]
     name = problem.scenario.robots[members[0]].name
-    check = EdgeCheck(problem.world_with(members[0]), name, problem.margin)
+    check = EdgeCheck(problem.world_with(members[0]), name, problem.margin, deadline)
     ends = np.array([q for i in members for q in (problem.starts[i], problem.goals[i])])
     distinct = np.unique(ends, axis=0)
     for turn in range(ROUNDS):
@@ -70,11 +74,12 @@ def _build_round(
         positions, reach = _positions(robot, ends, max_positions, rng, 2)
         pairs = neighbor_pairs(positions, reach, NEIGHBORS)
         chains = bool(np.isfinite(robot.actions[0].rate))  # stops take time
-        return Roadmap(robot, *heading_roadmap(check, ends, positions, pairs, chains), dt)
+        q, edges = heading_roadmap(check, ends, positions, pairs, chains)
+        return Roadmap(robot, q, edges, dt, None, check.deadline)
     q = np.concatenate([ends, check.valid(_samples(robot, ends, max_positions, rng))])
     edges = _nearest(robot, q)
     if robot.steering().method == "straight":
-        return Roadmap(robot, q, check.free_edges(q, edges), dt)
+        return Roadmap(robot, q, check.free_edges(q, edges), dt, None, check.deadline)
     edges, paths = _steered(check, robot, q, edges, dt)
     return Roadmap(robot, q, edges, dt, paths)
 
@@ -83,7 +88,10 @@ def _steered(
     check: EdgeCheck, robot: Robot, q: Floats, edges: Ints, dt: float
 ) -> tuple[Ints, list[Floats]]:
     """Edges along the steering that are free and in the workspace, and their timed paths."""
-    paths = [steps_of(robot, robot.steer(q[a], q[b]), dt) for a, b in edges.tolist()]
+    paths = []
+    for a, b in edges.tolist():
+        check.deadline.check("the steering of a roadmap's edges")
+        paths.append(steps_of(robot, robot.steer(q[a], q[b]), dt))
     inside = [bool(np.all(robot.valid(path))) for path in paths]  # arcs can leave the workspace
     edges, paths = edges[inside], [path for path, ok in zip(paths, inside, strict=True) if ok]
     free = check.free_paths(paths)

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from fgenv.arrays import Floats, Ints
+from fgenv.planners.deadline import NEVER, Deadline
 from fgenv.robots import Robot
 
 from .motion_table import MotionTable
@@ -30,6 +31,7 @@ class Roadmap:
         edges: (m, 2), vertices from and to; certified free.
         dt: seconds of a step.
         paths: configurations (k + 1, nq) at the steps of each edge; straight edges by default.
+        deadline: of the construction, which raises PlanningError after it.
 
     Attributes:
         tails, heads: (m,), first and last vertex of each edge, sorted by tail.
@@ -39,14 +41,23 @@ class Roadmap:
     """
 
     def __init__(
-        self, robot: Robot, q: Floats, edges: Ints, dt: float, paths: list[Floats] | None = None
+        self,
+        robot: Robot,
+        q: Floats,
+        edges: Ints,
+        dt: float,
+        paths: list[Floats] | None = None,
+        deadline: Deadline = NEVER,
     ) -> None:
         order = np.argsort(edges[:, 0], kind="stable")
         self.robot, self.q, self.dt = robot, q, dt
         self._paths = None if paths is None else [paths[i] for i in order]
         self.tails, self.heads = edges[order, 0], edges[order, 1]
         self.time_scaling = TimeScaling(robot, dt)
-        self.durations = [self._duration(e) for e in range(len(edges))]
+        self.durations: list[int] = []
+        for e in range(len(edges)):
+            deadline.check("the timing of a roadmap's edges")
+            self.durations.append(self._duration(e))
         self._first_edge = np.searchsorted(self.tails, np.arange(len(q) + 1))
         self.successors = self._successors()
         self.motions = MotionTable(robot)

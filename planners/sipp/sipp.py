@@ -7,7 +7,6 @@ others, since the robot can wait within the interval.
 
 from __future__ import annotations
 
-import time
 from bisect import bisect_left
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
@@ -17,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fgenv.arrays import Ints
+from fgenv.planners.deadline import NEVER, Deadline
 from fgenv.planners.roadmap.roadmap import INF, UNREACHABLE, Roadmap
 
 from .intervals import Interval, SafeIntervals
@@ -66,13 +66,13 @@ class RoadmapPath:
 class SearchBudget:
     """Deadline of the searches, and counts of their work."""
 
-    deadline: float = float("inf")
+    deadline: Deadline = NEVER
     expanded: int = 0
     searches: int = 0
 
     def expired(self) -> bool:
         """Whether the deadline has passed."""
-        return time.monotonic() > self.deadline
+        return self.deadline.left < 0
 
 
 class SearchNode(NamedTuple):
