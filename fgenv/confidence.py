@@ -1,10 +1,10 @@
-"""95 % confidence intervals of rates and means."""
+"""95 % confidence intervals of rates, means and medians."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,13 +40,26 @@ def rate(successes: float, trials: int) -> Estimate:
 
 
 def mean(values: Sequence[float]) -> Estimate:
-    """Return the mean with the percentile interval of a bootstrap of a fixed seed.
+    """Return the mean with its interval, see `bootstrap`."""
+    return bootstrap(values, np.mean)
+
+
+def median(values: Sequence[float]) -> Estimate:
+    """Return the median with its interval, see `bootstrap`."""
+    return bootstrap(values, np.median)
+
+
+def bootstrap(values: Sequence[float], statistic: Callable[..., Any]) -> Estimate:
+    """Return a statistic of values with the percentile interval of a bootstrap of a fixed seed.
 
     B. Efron, "Bootstrap methods: another look at the jackknife", 1979.
+
+    Args:
+        statistic: a function of an array and an axis, such as `numpy.mean`.
     """
     x = np.asarray(values, dtype=np.float64)
     if len(x) == 0:
         return Estimate(math.nan, math.nan, math.nan)
     drawn = np.random.default_rng(SEED).integers(len(x), size=(SAMPLES, len(x)))
-    low, high = np.quantile(x[drawn].mean(axis=1), [0.025, 0.975])
-    return Estimate(float(x.mean()), float(low), float(high))
+    low, high = np.quantile(statistic(x[drawn], axis=1), [0.025, 0.975])
+    return Estimate(float(statistic(x)), float(low), float(high))

@@ -20,9 +20,9 @@ def choice_option(name: str, text: str, choices: Callable[[], Iterable[str]], **
     def complete(incomplete: str) -> list[str]:
         return [choice for choice in choices() if choice.startswith(incomplete)]
 
-    def check(value: str | None) -> str | None:
-        if value is not None:
-            check_choice(name, value, choices())
+    def check(value: str | list[str] | None) -> str | list[str] | None:
+        for choice in [value] if isinstance(value, str) else value or []:
+            check_choice(name, choice, choices())
         return value
 
     more |= {"autocompletion": complete, "callback": check}

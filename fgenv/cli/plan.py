@@ -23,6 +23,7 @@ from fgenv.cli.options import (
     file_option,
     refuse_options,
 )
+from fgenv.cli.plan_statistics import compare_planners, seed_range
 from fgenv.cli.progress import status
 from fgenv.cli.scenario_options import load_scenario, overrides_from
 
@@ -47,12 +48,13 @@ Method = Annotated[
         show_default="composite for one robot, prioritized for more",
     ),
 ]
-Planner = Annotated[
-    str | None,
+Planners = Annotated[
+    list[str] | None,
     choice_option(
         "--planner",
         "Planner of OMPL, for the method composite: RRT, RRTConnect, RRTstar, InformedRRTstar,"
-        " SORRTstar, AORRTC, BITstar, PRM, PRMstar, FMT, BFMT, KPIECE1, BKPIECE1 or LBKPIECE1.",
+        " SORRTstar, AORRTC, BITstar, PRM, PRMstar, FMT, BFMT, KPIECE1, BKPIECE1 or LBKPIECE1;"
+        " several with --seeds.",
         planners,
         show_default="RRTConnect",
     ),
@@ -71,6 +73,10 @@ Objective = Annotated[
     ),
 ]
 Simplify = Annotated[bool, typer.Option("--simplify/--no-simplify", help="Shorten the paths.")]
+Seeds = Annotated[
+    str | None, typer.Option("--seeds", metavar="FIRST:END", help="Compare over these seeds.")
+]
+Csv = Annotated[Path | None, file_option("--csv", "With --seeds: a row for each result.")]
 Out = Annotated[Path | None, file_option("--out", "Write the plan (.npz).")]
 Mesh = Annotated[
     Path | None, typer.Option("--mesh", help="Mesh of the robot, in place of a scenario.", **OWN)
@@ -90,7 +96,7 @@ def plan(
     context: typer.Context,
     scenario: OptionalScenario = None,
     method: Method = None,
-    planner: Planner = None,
+    planner: Planners = None,
     n: Robots = None,
     size: Size = None,
     set: Settings = None,
@@ -105,6 +111,8 @@ def plan(
     goal: Goal = None,
     scale: Scale = 1.0,
     seed: Seed = 0,
+    seeds: Seeds = None,
+    csv: Csv = None,
     as_json: Json = False,
 ) -> None:
     """Plan all robots of a scenario to their goals, and certify the plan.
@@ -115,6 +123,10 @@ def plan(
     --policy plan:FILE.npz executes it. Exit code 1 if there is no plan; stderr
     has the reason. After Ctrl-C the best plan so far, if any, is reported and
     kept.
+
+    With --seeds 0:20 each planner plans with each of these seeds: success,
+    median time and costs are reported with 95 % intervals. --csv keeps each
+    result as it comes; the same command then goes on where it stopped.
     """
     from fgenv.cli.plan_report import print_plan
     from fgenv.planners import PlanningError
@@ -130,9 +142,19 @@ def plan(
             raise ValueError("--mesh: expected with --start and --goal, and without a scenario")
         problem = scenario_of_mesh(mesh, world, start, goal, scale)
     options: dict[str, Any] = {"method": method, "margin": margin, "objective": objective}
+    if seeds is not None:
+        refuse_options(context, ("out", "seed"), "has no effect with --seeds")
+        names = planner or [method or "prioritized" if len(problem.robots) > 1 else "RRTConnect"]
+        options |= {"time_limit": time_limit, "simplify": simplify}
+        compare_planners(problem, names, seed_range(seeds), options, csv, as_json)
+        return
+    refuse_options(context, ("csv",), "expected with --seeds")
+    if planner is not None and len(planner) > 1:
+        raise ValueError("--planner: got several, expected one, or --seeds to compare them")
+    name = planner[0] if planner else None
     with recorded_interrupts() as interrupts, status(f"planning, at most {time_limit:g} s"):
         try:
-            result = plan_all(problem, planner, time_limit, seed, simplify, **options)
+            result = plan_all(problem, name, time_limit, seed, simplify, **options)
         except PlanningError as error:
             fail_check(error)
     if out is not None:

@@ -182,3 +182,52 @@ def test_tab_completes_methods() -> None:
 
     assert "composite" in methods()
     assert {"plan", "plan:composite"} <= set(policy_names("plan"))
+
+
+def test_planners_are_compared_over_seeds(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = "plan", "swap", "--n", 1, "--planner", "RRTConnect", "--planner", "PRM"
+    data = shell.json(*command, "--seeds", "0:3", "--csv", "r.csv")
+    assert [(row["planner"], row["attempts"]) for row in data["rows"]] == [
+        ("RRTConnect", 3),
+        ("PRM", 3),
+    ]
+    assert all(row["success"][0] == 1.0 for row in data["rows"])
+    assert all(
+        low <= value <= high for row in data["rows"] for value, low, high in [row["seconds"]]
+    )
+    table = Path("r.csv").read_text()
+    Path("r.csv").write_text(table + "cut off,RR")  # as a kill leaves it
+    with monkeypatch.context() as patch:
+        patch.setattr("fgenv.planners.planning.plan", None)  # nothing is planned again
+        assert shell.json(*command, "--seeds", "0:3", "--csv", "r.csv")["rows"] == data["rows"]
+    Path("r.csv").write_text(table)
+    more = shell.json(*command, "--seeds", "1:5", "--csv", "r.csv")
+    assert [row["attempts"] for row in more["rows"]] == [4, 4]
+    assert len(Path("r.csv").read_text().splitlines()) == 1 + 2 * 5
+    other = shell.json(*command, "--seeds", "0:1", "--csv", "r.csv", "--margin", 0.01)
+    assert other["rows"][0]["attempts"] == 1
+    assert len(Path("r.csv").read_text().splitlines()) == 1 + 2 * 6
+
+
+def test_failures_of_seeds_have_a_reason(shell: Shell) -> None:
+    data = shell.json("plan", "swap", "--n", 3, "--margin", 5, "--seeds", "0:2", "--csv", "r.csv")
+    (row,) = data["rows"]
+    assert (row["planner"], row["success"][0], row["seconds"]) == ("prioritized", 0.0, [None] * 3)
+    assert "closer than the margin of 5 m" in Path("r.csv").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("--seeds 5", "--seeds: got '5', expected FIRST:END, such as 0:20"),
+        ("--seeds 5:5", "--seeds: got '5:5', expected FIRST:END"),
+        ("--seeds 0:2 --out p.npz", "--out: has no effect with --seeds"),
+        ("--seeds 0:2 --seed 3", "--seed: has no effect with --seeds"),
+        ("--csv r.csv", "--csv: expected with --seeds"),
+        ("--planner PRM --planner RRT", "--planner: got several, expected one, or --seeds"),
+        ("--seeds 0:2 --csv other.csv", "--csv: other.csv has other columns, expected setting,"),
+    ],
+)
+def test_wrong_use_of_seeds(shell: Shell, arguments: str, message: str) -> None:
+    Path("other.csv").write_text("a,b\n1,2\n")
+    assert message in shell.refuses("plan", "swap", *arguments.split())
