@@ -80,7 +80,7 @@ class Shape(_core.Shape):
         Args:
             path: the file; the meshes of a scene are placed and joined into one.
             scale: factor, e.g. 0.001 for a file in millimeters of a format without unit.
-            name: default: the file's stem.
+            name: default: the file's name without its suffixes.
 
         Raises:
             FileNotFoundError, ValueError: with the file's name and the remedy.
@@ -88,7 +88,10 @@ class Shape(_core.Shape):
         path = Path(path)
         mesh = read_mesh_file(path, scale)
         options: dict[str, Any] = {"tolerance": tolerance, "angle": angle}
-        options["name"] = path.stem if name is None else name
+        packed = path.suffix.lower() == ".gz"
+        options["name"] = (
+            name if name is not None else Path(path.stem).stem if packed else path.stem
+        )
         if problem := unit_warning(mesh, scale):
             warnings.warn(f"mesh {options['name']!r} {problem}", MeshWarning, stacklevel=2)
         try:

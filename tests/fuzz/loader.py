@@ -19,17 +19,17 @@ from typing import Any
 from fuzz.driver import instrument, one_line, run
 
 if __name__ == "__main__":
-    instrument("trimesh", "trimesh.exchange.load", "collada", "fgenv.collision")
+    instrument("trimesh", "collada", "fgenv.collision", "fgenv.collision.mesh_files")
 
 import numpy as np
 import trimesh
 from oracles.solids import angle_iron, box
+from support.mesh_files import mesh_cases
 
 from fgenv.collision import Shape
+from fgenv.collision.mesh_files import READERS
 
-# The documented formats first and twice, then all other formats of trimesh.
-NAMED = ["stl", "obj", "ply", "off", "glb", "dae"]
-FORMATS = [*NAMED, *NAMED, *sorted(set(trimesh.available_formats()) - set(NAMED))]
+FORMATS = [suffix[1:] for suffix in READERS] + ["stl.gz", "obj.gz", "zip"]
 FOLDER = Path(tempfile.mkdtemp(prefix="fgenv-fuzz-"))
 atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
 
@@ -54,18 +54,16 @@ def load(data: bytes) -> None:
 
 
 def seeds() -> list[bytes]:
-    """Small complete files of each format that trimesh writes."""
+    """Small complete files of each format: those of the tests, and those that trimesh writes."""
     made = []
-    for i, extension in enumerate(NAMED):
-        for solid in (box(1.0), angle_iron()):
-            content: Any = trimesh.Trimesh(*solid, process=False).export(file_type=extension)
-            made.append(bytes([i]) + (content if isinstance(content, bytes) else content.encode()))
-    text = trimesh.Trimesh(*box(1.0)).export(file_type="stl_ascii")
-    made.append(bytes([NAMED.index("stl")]) + str(text).encode())
-    ply: Any = trimesh.Trimesh(*box(1.0)).export(file_type="ply", encoding="ascii")
-    made.append(bytes([NAMED.index("ply")]) + bytes(ply))
+    for case in mesh_cases():
+        ending = next(e for e in reversed(FORMATS) if case.name.lower().endswith(e.lower()))
+        made.append(bytes([FORMATS.index(ending)]) + case.content)
+    for extension in ("glb", "dae", "3mf"):
+        content: Any = trimesh.Trimesh(*angle_iron(), process=False).export(file_type=extension)
+        made.append(bytes([FORMATS.index(extension)]) + bytes(content))
     scene: Any = trimesh.Scene([trimesh.Trimesh(*box(1.0)), trimesh.Trimesh(*angle_iron())])
-    made.append(bytes([NAMED.index("glb")]) + bytes(scene.export(file_type="glb")))
+    made.append(bytes([FORMATS.index("glb")]) + bytes(scene.export(file_type="glb")))
     return made
 
 

@@ -17,6 +17,9 @@ PIECE = 1 << 20
 
 def gunzip(source: MeshSource, limit: int) -> MeshSource:
     """The content of a .gz file; its suffix is the one before .gz."""
+    suffix = Path(source.path.stem).suffix.lower()
+    if not suffix:
+        source.fail("a .gz file without the suffix of its mesh", "e.g. part.stl.gz; rename it")
     bound = min(limit, max(SMALL, MAX_RATIO * len(source.data)))
     out = io.BytesIO()
     left = source.data
@@ -34,7 +37,7 @@ def gunzip(source: MeshSource, limit: int) -> MeshSource:
             if out.tell() > bound:
                 _refuse_bomb(source, bound)
         left = inflater.unused_data
-    return MeshSource(source.path, Path(source.path.stem).suffix.lower(), out.getvalue())
+    return MeshSource(source.path, suffix, out.getvalue())
 
 
 def unzip_one(source: MeshSource, formats: Collection[str], limit: int) -> MeshSource:

@@ -92,10 +92,6 @@ def refuse_suffix(source: MeshSource, formats: Collection[str]) -> None:
     """Raise the error of a format that is not read, with the remedy if there is one."""
     known = ", ".join(sorted({*formats, ".gz", ".zip"}))
     remedy = ELSEWHERE.get(source.suffix, "export the mesh again")
-    if source.suffix == ".gz":
-        source.fail(
-            "a .gz file without the suffix of its mesh", "e.g. part.stl.gz; rename the file"
-        )
     name = source.suffix or "no suffix"
     source.fail(f"an unknown format ({name})", f"one of {known}; {remedy}")
 

@@ -48,9 +48,10 @@ def read_obj(source: MeshSource) -> FileMesh:
     elements, skipped = _Elements(), 0
     for first, lines in text_chunks(data):
         skipped += _read_lines(source, lines, first + skipped, elements)
-    if not elements.counts:
-        return FileMesh("OBJ", np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
     vertices = np.concatenate(elements.vertices or [np.empty((0, 3))])
+    if not elements.counts:
+        no_faces = np.empty((0, 3), dtype=np.int64)
+        return FileMesh("OBJ", vertices, no_faces, notes=_notes(elements, 0, 0))
     counts = np.concatenate(elements.counts)
     thin = counts < 3
     if thin[-1] and not source.data.endswith(b"\n"):

@@ -12,7 +12,7 @@ from .content import FileMesh, MeshSource
 from .polygons import crossing_note, triangulated
 from .text import BadNumberError, check_finite, fail_number, numbers, parse, shown, text_chunks
 
-HEADER = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF", re.IGNORECASE)
+HEADER = re.compile(rb"(?:ST)?C?N?(4?n?)(?:OFF|off)")
 COUNTS = "numbers of vertices, faces and edges"
 
 
@@ -76,7 +76,7 @@ def _read_header(source: MeshSource, lines: _Lines) -> int:
         if words[0].isdigit():
             return 0
         source.fail(shown(words[0]), "the keyword OFF", line=lines.number(0))
-    if match[4] or match[5]:
+    if match[1]:
         source.fail(
             f"the header {words[0].decode()}, vertices of 4 or n numbers",
             "vertices of 3; export it again",

@@ -21,8 +21,10 @@ def read_ply(source: MeshSource) -> FileMesh:
     vertex = by_name.get("vertex")
     if vertex is None:
         source.fail("no element vertex in the header", "one with x, y and z")
+    _check_coordinates(source, vertex)
     columns = read_body(source, header)
-    vertices = _vertices(source, vertex, columns)
+    vertices = np.column_stack([columns["vertex", name].values for name in "xyz"])
+    vertices = vertices.astype(np.float64, copy=False)
     parts = []
     for name, read in (("face", _faces), ("tristrips", _strips)):
         if name in by_name and by_name[name].count:
@@ -39,13 +41,11 @@ def read_ply(source: MeshSource) -> FileMesh:
     )
 
 
-def _vertices(source: MeshSource, element: Element, columns: Columns) -> Vertices:
-    names = [p.name for p in element.properties if p.count_type is None]
+def _check_coordinates(source: MeshSource, element: Element) -> None:
+    numbers = {p.name for p in element.properties if p.count_type is None}
     for name in "xyz":
-        if name not in names:
+        if name not in numbers:
             source.fail(f"vertices without the property {name}", "x, y and z")
-    coordinates = [columns[element.name, name].values for name in "xyz"]
-    return np.column_stack(coordinates).astype(np.float64, copy=False)
 
 
 def _corners(source: MeshSource, element: Element, columns: Columns) -> tuple[Ints, Ints]:
