@@ -11,6 +11,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.envs import Record, Simulator
 from fgenv.robots import Robot
+from fgenv.text_table import text_table
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class RobotResult:
         return seconds if self.arrival is None else self.arrival
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Results:
     """Results of an episode.
 
@@ -55,6 +56,29 @@ class Results:
     robots: tuple[RobotResult, ...]
     steps: int
     seconds: float
+
+    def __repr__(self) -> str:
+        successes = sum(robot.success for robot in self.robots)
+        return (
+            f"Results({successes} of {len(self.robots)} robots succeed, {self.steps_in_contact}"
+            f" steps in contact, {self.seconds:g} s)"
+        )
+
+    def __str__(self) -> str:
+        """A table of the robots, under the line of `repr`."""
+        titles = "robot", "success", "arrived (s)", "steps in contact", "path", "clearance (m)"
+        rows = [
+            (
+                robot.name,
+                "yes" if robot.success else "no",
+                "-" if robot.arrival is None else f"{robot.arrival:.1f}",
+                str(robot.steps_in_contact),
+                f"{robot.path_length:.2f} {robot.unit}",
+                "-" if robot.least_clearance is None else f"{robot.least_clearance:.3f}",
+            )
+            for robot in self.robots
+        ]
+        return f"{self!r}\n{text_table(titles, rows)}"
 
     @classmethod
     def of(cls, source: Simulator | Record, world: int = 0) -> Results:

@@ -33,6 +33,7 @@ from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
 from fgenv.scenarios.hashes import urdf_hashes, with_hashes
 from fgenv.scenarios.yaml_io import moved
+from fgenv.text_table import text_table
 
 from .certificate import Certificate, arrival
 
@@ -44,7 +45,7 @@ class PlanError(ValueError):
 PLAN = Archive("plan", 1, ("scenario", "about"), PlanError, "plan again")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """Timed paths of all robots of a scenario, as read-only arrays.
 
@@ -59,14 +60,14 @@ class Plan:
     """
 
     scenario: Scenario
-    configurations: tuple[Floats, ...] = field(repr=False)
-    waypoints: tuple[Floats, ...] = field(repr=False)
+    configurations: tuple[Floats, ...]
+    waypoints: tuple[Floats, ...]
     method: str
     planner: str
     seed: int
     certificate: Certificate
-    facts: dict[str, Any] = field(default_factory=dict, repr=False)
-    urdf: dict[str, str] = field(default_factory=dict, repr=False)
+    facts: dict[str, Any] = field(default_factory=dict)
+    urdf: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("configurations", "waypoints"):
@@ -74,6 +75,22 @@ class Plan:
             for array in arrays:
                 array.flags.writeable = False
             object.__setattr__(self, name, arrays)
+
+    def __repr__(self) -> str:
+        proved = "proved" if self.certificate else "not proved"
+        return (
+            f"Plan({self.scenario.name!r} by {self.method}: {len(self.configurations)} robots,"
+            f" makespan {self.makespan:g} s, {proved})"
+        )
+
+    def __str__(self) -> str:
+        """A table of the robots, under the line of `repr`."""
+        names = [robot.name for robot in self.scenario.robots]
+        rows = [
+            (name, f"{arrival:.1f}", f"{length:.2f}")
+            for name, arrival, length in zip(names, self.arrivals, self.lengths, strict=True)
+        ]
+        return f"{self!r}\n{text_table(('robot', 'arrives (s)', 'path (m)'), rows)}"
 
     @property
     def dt(self) -> float:

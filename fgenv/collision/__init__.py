@@ -29,3 +29,7 @@ __all__ = [
     "distance",
     "nearest_points",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -22,6 +22,12 @@ class Scenario(ScenarioSpec):
     `world` a `World` with all bodies, and `problems` lists the faults.
     """
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.robots)} robots, {len(self.bodies)} bodies, seed {self.seed}"
+        return f"Scenario({self.name!r}: {counts})"
+
+    __str__ = __repr__
+
     @classmethod
     def load(cls, source: str | Path, **overrides: Any) -> Scenario:
         """Load a scenario from a YAML file, or a built-in scenario by name.

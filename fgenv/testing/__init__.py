@@ -12,3 +12,7 @@ from .scenarios import scenario_test
 from .simulators import simulator_test
 
 __all__ = ["environment_test", "scenario_test", "simulator_test"]
+
+
+def __dir__() -> list[str]:
+    return __all__

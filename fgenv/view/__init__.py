@@ -6,3 +6,7 @@ from fgenv.view.figures.picture import Picture
 from fgenv.view.figures.surfaces import Floor, Light, Solid
 
 __all__ = ["Camera", "Floor", "Light", "Mark", "Painter", "Picture", "Solid"]
+
+
+def __dir__() -> list[str]:
+    return __all__
