@@ -42,7 +42,7 @@ class MotionMethods(BodyMethods):
         Args:
             margin: meters; bodies nearer than this are in contact.
             tolerance: meters; no point of the robot moves farther between `free_until` and
-                `contact_by`.
+                `contact_by`, unless bodies graze or coordinates are rounded more coarsely.
             mode: `continuous`, or `discrete`: tested at steps, as OMPL does, which can tunnel.
             resolution: meters; no point moves farther in a step of `discrete`.
             first_contact: False: report any contact, which takes less time.

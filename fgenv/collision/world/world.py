@@ -38,6 +38,11 @@ class World(MotionMethods, QueryMethods, MaskMethods):
         return self._core.tests()
 
     @property
+    def motion_steps(self) -> int:
+        """Number of steps of certified motion checks so far: the same on every machine."""
+        return self._core.motion_steps()
+
+    @property
     def nbytes(self) -> int:
         """Bytes of the bodies and their index, without the shapes."""
         return self._core.nbytes()

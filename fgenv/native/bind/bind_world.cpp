@@ -235,6 +235,7 @@ void bind_world(nb::module_& m) {
     bind_masks(c);
     c.def("masks", [](const World& w) { return w.masks_name(); })
         .def("tests", [](const World& w) { return w.tests(); })
+        .def("motion_steps", [](const World& w) { return w.motion_steps(); })
         .def("nbytes",
              [](const World& w) {
                  const auto lock = reading(w);

@@ -17,10 +17,12 @@ struct CertifySettings {
     bool first = true;        // false: report any contact
 };
 
-// Free up to `free_until`; in contact at `shown`, which is NaN if the search gave up (unresolved).
+// Free up to `free_until`; in contact at `shown`, which is NaN if the search gave up (unresolved). Where bodies graze,
+// or the tolerance is below the rounding of coordinates, `shown` may be later than the tolerance allows.
 struct MotionContact {
     double free_until = 1, shown = 1;
     bool found = false;
+    int64_t work = 0;  // steps of the searches so far
 
     // Whether this later result is a contact of other faces, rather than the earlier contact with less proved free.
     bool replaces(const MotionContact& before) const {
@@ -31,7 +33,8 @@ struct MotionContact {
 // Conservative advancement (X. Zhang et al., "Interactive continuous collision detection for non-convex
 // polyhedra", 2006; M. Tang et al., "C2A", 2009), in two stages: whole trees against each other at the
 // middle of a stretch of time, swept along their velocities; then each remaining pair of faces on its own.
-// The stretch is halved if many pairs remain.
+// The stretch is halved if many pairs remain. Bodies that slide flush are separated by planes at rest (flush_plane.h),
+// each for a long stretch. A bound on the number of steps, which depends on the number of faces, ends the search.
 //
 // Tests surfaces only. The caller has tested that the pair is free at t = lo, including containment. Searches
 // up to t = contact.free_until, and stores an earlier contact in `contact`.

@@ -27,15 +27,22 @@ public:
         double longest = stay_along(unit(near.on_b - near.on_a));
         if (longest > 0) return longest;
         // At small gaps rounding dominates that direction; directions from the faces' features are independent of the gap.
-        const auto look_along = [&](Vec3 along) {
+        for_each_product([&](Vec3 along) {
             const Vec3 n = unit(along);
             longest = greater(longest, greater(stay_along(n), stay_along(-1.0 * n)));
-        };
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) look_along(cross(side(xa_, i), side(xb_, j)));
-        look_along(cross(side(xa_, 0), side(xa_, 1)));
-        look_along(cross(side(xb_, 0), side(xb_, 1)));
+        });
         return longest;
+    }
+
+    // Normals of planes at t that the faces' features span, of any length.
+    template <class Use>
+    void for_each_normal(double t, Use use) {
+        place(t);
+        for_each_product(use);
+        for (const Triangle* x : {&xa_, &xb_}) {
+            const Vec3 n = cross(side(*x, 0), side(*x, 1));
+            for (int i = 0; i < 3; ++i) use(cross(side(*x, i), n));
+        }
     }
 
     // Whether the faces overlap at t, or are closer than the margin.
@@ -57,6 +64,13 @@ public:
     }
 
 private:
+    template <class Use>
+    void for_each_product(Use use) const {
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) use(cross(side(xa_, i), side(xb_, j)));
+        use(cross(side(xa_, 0), side(xa_, 1)));
+        use(cross(side(xb_, 0), side(xb_, 1)));
+    }
     static Vec3 side(const Triangle& face, int k) { return face[(k + 1) % 3] - face[k]; }
 
     // Certified time during which a plane normal to the unit vector n separates the faces, with b on its positive side.

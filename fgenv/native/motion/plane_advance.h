@@ -2,17 +2,10 @@
 #pragma once
 
 #include "motion/advance.h"
+#include "motion/hull.h"
 #include "query/gjk.h"
 
 namespace fgenv {
-
-// Points with a hull that encloses a body or one of its shells, in the frame of the shape.
-struct Hull {
-    const Vec3* points;
-    const int32_t* which;  // indices; null for the first `count` points
-    int32_t count;
-    double radius;  // of the point farthest from the frame's origin
-};
 
 class PlaneAdvance {
 public:
@@ -47,6 +40,8 @@ public:
 
     // Lower bound on their distance at that time (meters).
     double apart() const { return apart_; }
+    // Unit normal of the last plane, from a to b; (0, 0, 0) before the first.
+    Vec3 normal() const { return along_; }
 
 private:
     struct Corner {
@@ -56,7 +51,7 @@ private:
     static Corner farthest(const Hull& hull, Vec3 along) {
         Corner out{-HUGE_VAL, {0, 0, 0}};
         for (int32_t i = 0; i < hull.count; ++i) {
-            const Vec3& v = hull.points[hull.which ? hull.which[i] : i];
+            const Vec3& v = hull[i];
             const double x = dot(along, v);
             if (x > out.most) out = {x, v};
         }

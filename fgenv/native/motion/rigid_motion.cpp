@@ -19,6 +19,11 @@ double BodyMotion::speed(double radius) const {
     return norm(half_way.v) + 0.5 * a.at_origin + (norm(half_way.w) + 0.5 * a.by_radius) * radius;
 }
 
+double BodyMotion::acceleration_along(Vec3, Vec3 point) const {
+    const Acceleration a = acceleration();
+    return a.at_origin + orthonormality * a.by_radius * norm(point);
+}
+
 RigidMotion::RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offset)
     : start_(start),
       end_{end.t[0], end.t[1], end.t[2]},
@@ -29,6 +34,16 @@ RigidMotion::RigidMotion(const Rigid& start, const Rigid& end, const Rigid* offs
       angle_(norm(turn_)) {
     const double centripetal = orthonormality * angle_ * angle_;
     acceleration_ = {centripetal * norm(origin(offset_)), centripetal};
+}
+
+// A point at r from the frame's origin accelerates by -w^2 times the part of r across the axis k. Along n that is
+// at most w^2 |n x k| |r x k|: nothing for a turn about n, nor for points on the axis.
+double RigidMotion::acceleration_along(Vec3 n, Vec3 point) const {
+    const double rate = rate_ * angle_;
+    if (rate == 0) return 0;
+    constexpr double rounding = 1e-15;  // bound on the error of a product of two vectors, relative to their lengths
+    const Vec3 k = unit(turn_), r = rotate(start_, apply(offset_, point));
+    return rate * rate * (norm(cross(n, k)) + rounding) * (norm(cross(r, k)) + rounding * norm(r));
 }
 
 RigidMotion RigidMotion::retimed(double begin, double rate) const {

@@ -26,6 +26,8 @@ public:
     virtual Acceleration acceleration() const = 0;
     virtual double turn() const = 0;            // radians; upper bound on the rotation over [0, 1]
     virtual double speed(double radius) const;  // upper bound for points within `radius` of the body's origin
+    // Upper bound on the acceleration along the unit vector n, at any t, of a point given in the body's frame.
+    virtual double acceleration_along(Vec3 n, Vec3 point) const;
 };
 
 // Motion of a frame from pose `start` to pose `end`: position linear, orientation along the shortest arc, as in
@@ -41,6 +43,7 @@ public:
     Velocity velocity(double t) const override;
     Rigid pose(double t, Velocity& velocity) const override;
     Acceleration acceleration() const override { return acceleration_; }
+    double acceleration_along(Vec3 n, Vec3 point) const override;
     double turn() const override { return rate_ * angle_; }
     double speed(double radius) const override {
         return rate_ * (norm(shift_) + angle_ * (norm(origin(offset_)) + radius));

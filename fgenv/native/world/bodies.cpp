@@ -15,7 +15,8 @@ World::World(const World& other)
       legs_(other.legs_),
       leg_of_(other.leg_of_),
       paths_(other.paths_),
-      tests_(other.tests_.load()) {
+      tests_(other.tests_.load()),
+      motion_steps_(other.motion_steps_.load()) {
     for (const auto& body : other.bodies_) {
         bodies_.push_back(nullptr);
         if (!body) continue;

@@ -255,9 +255,13 @@ std::vector<MotionOutcome> World::advance(const std::vector<BodyId>& robots, con
 }
 
 void World::count_tests(const std::vector<MotionOutcome>& outcomes) const {
-    int64_t checks = 0;
-    for (const MotionOutcome& o : outcomes) checks += o.checks;
+    int64_t checks = 0, steps = 0;
+    for (const MotionOutcome& o : outcomes) {
+        checks += o.checks;
+        steps += o.contact.work;
+    }
     tests_.fetch_add(checks, std::memory_order_relaxed);
+    motion_steps_.fetch_add(steps, std::memory_order_relaxed);
 }
 
 }  // namespace fgenv

@@ -106,9 +106,10 @@ void World::certify_along_trajectory(const SweptPart& part, const Body& other, c
         CertifySettings settings = s.certify;
         settings.speed *= hi - lo;
         find_contact({part.body->shape.get(), &*piece}, {other.shape.get(), &*cut}, 0, 1, settings, found);
+        contact.work += found.work;
         const double free_until = lo + found.free_until * (hi - lo);
         if (found.found && (!contact.found || free_until < contact.free_until)) {
-            contact = {free_until, lo + found.shown * (hi - lo), true};
+            contact = {free_until, lo + found.shown * (hi - lo), true, contact.work};
             break;
         }
         lo = hi;
@@ -150,6 +151,27 @@ void World::certify_all(const SweptMover& mover, const std::vector<BodyId>& othe
             certify(p, mover, s, out);
             return s.certify.first || !out.contact.found;
         });
+    if (out.contact.found && std::isnan(out.contact.shown)) certify_later(mover, others, s, out);
+}
+
+// A motion is undecided from `free_until` on, where it grazes a body: a contact with another body that follows is
+// reported.
+void World::certify_later(const SweptMover& mover, const std::vector<BodyId>& others, const MotionSettings& s,
+                          MotionOutcome& out) const {
+    MotionOutcome later;
+    for_each_pair(
+        std::span<const SweptMover>(&mover, 1), &others, PairOrder::by_part,
+        [&](const Body& other) -> const Box& { return std::isnan(s.from) ? other.box : other.extent; },
+        [&](const CandidatePair<SweptPart>& p) {
+            if (p.part->body->id != out.part || p.other->id != out.other) certify(p, mover, s, later);
+            return true;
+        });
+    out.checks += later.checks;
+    out.contact.work += later.contact.work;
+    if (!later.contact.found || std::isnan(later.contact.shown)) return;
+    out.contact.shown = later.contact.shown;
+    out.part = later.part;
+    out.other = later.other;
 }
 
 MotionOutcome World::check_motion(BodyId id, const Place& from, const Place& to, const MotionSettings& given) const {
@@ -172,6 +194,7 @@ MotionOutcome World::check_motion(BodyId id, const Place& from, const Place& to,
         if (!s.certify.first && out.contact.found) out.contact.free_until = 0;  // not every pair was certified
     }
     tests_.fetch_add(out.checks, std::memory_order_relaxed);
+    motion_steps_.fetch_add(out.contact.work, std::memory_order_relaxed);
     return out;
 }
 

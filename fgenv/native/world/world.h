@@ -214,6 +214,7 @@ public:
     const std::vector<std::pair<int32_t, int32_t>>& allowed_groups() const { return allowed_groups_; }
     bool ignores(const Body& a, const Body& b) const;  // pairs that are excluded from collision
     int64_t tests() const { return tests_; }
+    int64_t motion_steps() const { return motion_steps_; }
     size_t nbytes() const;
 
     mutable FairMutex mutex;
@@ -280,6 +281,8 @@ private:
                  MotionOutcome& out) const;
     void certify_all(const SweptMover& mover, const std::vector<BodyId>& others, const MotionSettings& s,
                      MotionOutcome& out) const;
+    void certify_later(const SweptMover& mover, const std::vector<BodyId>& others, const MotionSettings& s,
+                       MotionOutcome& out) const;
     Fleet fleet(const std::vector<BodyId>& robots, const std::vector<Place>& from, const std::vector<Place>& to,
                 const MotionSettings& s) const;
     PairContact first_contact(const SweptMover& a, bool a_rests, const SweptMover& b, bool b_rests, Stretch stretch,
@@ -307,7 +310,7 @@ private:
     BoxIndex legs_;               // motion boxes
     std::vector<BodyId> leg_of_;  // by item of legs_; -1 for a free item
     std::map<BodyId, Path> paths_;
-    mutable std::atomic<int64_t> tests_{0};
+    mutable std::atomic<int64_t> tests_{0}, motion_steps_{0};
 };
 
 }  // namespace fgenv
