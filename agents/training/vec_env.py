@@ -27,6 +27,7 @@ except ModuleNotFoundError as error:
 
 from fgenv.arrays import Floats32
 from fgenv.envs import Simulator
+from fgenv.envs.options import first_seed
 from fgenv.envs.rendering import Frame, Screen
 from fgenv.envs.simulator import Source, StepResult
 from fgenv.envs.spaces import action_box, observation_box
@@ -113,7 +114,8 @@ class FleetVecEnv(VecEnv):
 
     def reset(self) -> Floats32:
         """Begin episodes; return observations (rows, size)."""
-        rows, self._seed = self.simulator.reset(self._seed), None
+        rows = self.simulator.reset(first_seed(self.simulator, self._seed))
+        self._seed = None
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = [{} for _ in range(self.num_envs)]

@@ -16,13 +16,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
+from gymnasium.utils.seeding import np_random
 from numpy.typing import ArrayLike
 from pettingzoo.utils import ParallelEnv
 
 from fgenv.arrays import Floats, Floats32
 
 from .infos import Info, infos
-from .options import refuse_worlds
+from .options import check_reset_options, first_seed, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, StepResult
 from .simulator_settings import MAX_STEPS, check_integer
@@ -71,6 +72,17 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         self._shapes = [(n,) for n in simulator.action_sizes]
         self._uniform = len(set(self._shapes)) == 1
         self._screen = Screen(simulator, render_mode)
+        self.np_random, self.np_random_seed = np_random()
+
+    @property
+    def observation_spaces(self) -> dict[str, Box]:
+        """Spaces of observations by robot."""
+        return dict(zip(self.possible_agents, self._observation_spaces, strict=True))
+
+    @property
+    def action_spaces(self) -> dict[str, Box]:
+        """Spaces of actions by robot."""
+        return dict(zip(self.possible_agents, self._action_spaces, strict=True))
 
     def observation_space(self, agent: str) -> Box:
         """Return the space of observations (size,), see `Simulator.layouts`."""
@@ -94,7 +106,17 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Rows, Infos]:
-        """Begin an episode: the first of a seed, or the next one. Options are ignored."""
+        """Begin an episode: the first of a seed, or the next one.
+
+        Without a seed the first episode has a seed of fresh entropy, see `np_random_seed`.
+
+        Raises:
+            TypeError: options are no dict. There are no options.
+        """
+        check_reset_options(options)
+        seed = first_seed(self.simulator, seed)
+        if seed is not None:
+            self.np_random, self.np_random_seed = np_random(seed)
         rows = self.simulator.reset(seed)[0]
         self.agents = list(self.possible_agents)
         return self._rows(rows, self.agents), dict(
@@ -106,13 +128,19 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
     ) -> tuple[Rows, dict[str, float], dict[str, bool], dict[str, bool], Infos]:
         """Step with an action (size,) for each of `agents`.
 
+        Actions of robots that have left are ignored: some libraries send actions of all robots
+        until the last one has left. Without agents the episode is over, and nothing happens.
+
         Raises:
-            ValueError: actions of a missing, unknown or arrived robot, of a wrong shape, or not
-                finite. The state is unchanged.
-            RuntimeError: the episode is over.
+            ValueError: the action of an agent is missing, of a wrong shape or not finite, or an
+                action is of an unknown robot. The state is unchanged.
+            RuntimeError: before the first reset.
         """
+        self._check_names(actions)
         if not self.agents:
-            raise RuntimeError("step: no robot is moving; call reset()")
+            if not self.simulator.begun:
+                raise RuntimeError("step: before the first reset, call reset()")
+            return {}, {}, {}, {}, {}
         simulator, acting = self.simulator, self.agents
         step = self._step(actions)
         over, late = bool(step.terminated[0]), bool(step.truncated[0])
@@ -163,7 +191,6 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         return {name: rows[indices[name], : sizes[indices[name]]] for name in agents}
 
     def _step(self, actions: Mapping[str, ArrayLike]) -> StepResult:
-        self._check_names(actions)
         every = np.zeros((1, len(self._indices), self.simulator.action_size))
         try:
             if self._uniform:  # one array is faster
@@ -190,9 +217,8 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
             if name not in actions:
                 raise ValueError(f"actions: got none for {name!r}, expected one for each of agents")
         if len(actions) > len(self.agents):
-            name = next(name for name in actions if name not in self.agents)
-            self._index(name)
-            raise ValueError(f"actions: got one for {name!r}, which has arrived; omit it")
+            for name in actions:
+                self._index(name)
 
     def _index(self, agent: str) -> int:
         if agent not in self._indices:

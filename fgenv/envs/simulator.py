@@ -157,8 +157,11 @@ class Simulator(SimulatorState):
         self._over[which] = False
         return observations
 
-    def step(self, actions: ArrayLike) -> StepResult:
+    def step(self, actions: ArrayLike, *, after_end: bool = False) -> StepResult:
         """Step all worlds with actions (worlds, robots, size).
+
+        Args:
+            after_end: also step worlds with an ended episode, which begin anew afterwards.
 
         Raises:
             ValueError: wrong shape, or a number that is not finite, with its index.
@@ -166,7 +169,7 @@ class Simulator(SimulatorState):
                 not changed then.
         """
         self._check_begun("step")
-        if not self.autoreset and self._over.any():
+        if not self.autoreset and not after_end and self._over.any():
             over = int(self._over.argmax())
             raise RuntimeError(f"step: the episode of world {over} is over, call reset()")
         rows, rewards, arrived, terminated, truncated = self._core.step(

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from fgenv.arrays import Floats32
 
 from .infos import Info, infos
-from .options import refuse_worlds
+from .options import check_reset_options, first_seed, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
 from .single_agent import LearningRobot
@@ -65,7 +65,15 @@ class FleetEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Floats32, Info]:
-        """Begin an episode: the first of a seed, or the next one. Options are ignored."""
+        """Begin an episode: the first of a seed, or the next one.
+
+        Without a seed the first episode has a seed of fresh entropy, see `np_random_seed`.
+
+        Raises:
+            TypeError: options are no dict. There are no options.
+        """
+        check_reset_options(options)
+        seed = first_seed(self.simulator, seed)
         super().reset(seed=seed)
         return self.learner.reset(seed)[0], self._info()
 

@@ -53,24 +53,32 @@ class LearningRobot:
         self._observations = self.simulator.observe()
         return self._own(self._observations)
 
-    def step(self, actions: ArrayLike) -> RobotStep:
+    def step(self, actions: ArrayLike, begin_next: bool = False) -> RobotStep:
         """Step with actions (worlds, size); an episode ends with that of the robot.
+
+        Args:
+            begin_next: a world with an ended episode begins the next one in this step; its action
+                is ignored, and its reward is 0. Otherwise such a world is an error.
 
         Raises:
             ValueError: wrong shape, or a number that is not finite. The state is unchanged.
             RuntimeError: an episode is over.
         """
         own = self._checked(actions)
-        if self._over.any():
+        over = self._over.copy()
+        if over.any() and not (begin_next and self.simulator.begun):
             raise RuntimeError("step: the episode is over or has not begun; call reset()")
         every = checked_actions(self._policy, self.simulator, self._observations)
         every[:, self.index, : own.shape[1]] = own
-        step = self.simulator.step(every)
+        step = self.simulator.step(every, after_end=begin_next)
         self._observations = step.observations
         terminated = step.terminated | (self.simulator.status[:, self.index] != MOVING)
         truncated = step.truncated & ~terminated
-        self._over = terminated | truncated
         rewards = step.rewards[:, self.index].copy()
+        if over.any():
+            self.reset(worlds=np.flatnonzero(over))
+            terminated, truncated, rewards = terminated & ~over, truncated & ~over, rewards * ~over
+        self._over = terminated | truncated
         return RobotStep(self._own(self._observations), rewards, terminated, truncated)
 
     def _own(self, observations: Floats32) -> Floats32:

@@ -18,27 +18,28 @@ from numpy.typing import ArrayLike, NDArray
 
 from fgenv.arrays import Flags, Floats, Floats32
 
-from .infos import Info, has_clearances
-from .options import refuse_worlds
+from .infos import Info, info_arrays
+from .options import check_reset_options, first_seed, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, world_seeds
 from .single_agent import LearningRobot
 from .spaces import action_box, observation_box
-from .state_readers import MOVING
 
 
 class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
     """Worlds of one scenario; world k of reset(seed=s) equals a FleetEnv of reset(seed=s + k).
 
-    A world with an ended episode begins the next one in the same step; `final_obs` and `final_info`
-    have the last observation and info. Infos are arrays (worlds,): `collision` (bool), `masked`,
-    `checks`, `success`, and `clearance` if measured.
+    Infos are arrays (worlds,), with the keys of `infos`.
 
     Args:
         scenario, robot, others, render_mode, options: see `FleetEnv`. `reset` of a policy is called
             when all worlds begin, not for single worlds.
         num_envs: number of worlds.
         max_episode_steps: instead of the scenario's horizon.
+        autoreset_mode: `SAME_STEP`: a world with an ended episode begins the next one in the same
+            step; `final_obs` and `final_info` have the last observation and info. `NEXT_STEP`: in
+            the next step, whose action is ignored and whose reward is 0. `DISABLED`: reset it with
+            the option `reset_mask`.
     """
 
     metadata: ClassVar[dict[str, Any]] = {  # type: ignore[misc]
@@ -56,8 +57,10 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         others: Any = "rest",
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.SAME_STEP,
         **options: Any,
     ) -> None:
+        self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         refuse_worlds("a vector environment", options)
         options.setdefault("max_steps", max_episode_steps)
         self.simulator = Simulator(scenario, num_envs, autoreset=False, **options)
@@ -68,7 +71,11 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.render_mode, self._screen = render_mode, Screen(self.simulator, render_mode)
-        self.metadata = {**type(self).metadata, "render_fps": 1.0 / self.simulator.dt}  # type: ignore[misc]
+        self.metadata = {  # type: ignore[misc]
+            **type(self).metadata,
+            "render_fps": 1.0 / self.simulator.dt,
+            "autoreset_mode": self.autoreset_mode,
+        }
 
     def reset(
         self,
@@ -78,9 +85,13 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
     ) -> tuple[Floats32, Info]:
         """Begin episodes: the first of seeds seed + k, or seed[k]; or the next ones.
 
+        Without a seed the first episodes have seeds of fresh entropy, see `np_random_seed`.
+
         Args:
             options: `reset_mask`, (worlds,) bool: the worlds that begin.
         """
+        check_reset_options(options)
+        seed = first_seed(self.simulator, seed)
         seeds = None if seed is None else world_seeds(seed, self.num_envs).tolist()
         super().reset(seed=seeds and seeds[0])
         worlds = (options or {}).get("reset_mask")
@@ -91,9 +102,9 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
 
     def step(self, actions: ArrayLike) -> tuple[Floats32, Floats, Flags, Flags, Info]:
         """Step all worlds with actions (worlds, size); errors are those of `FleetEnv.step`."""
-        step = self.learner.step(actions)
+        step = self.learner.step(actions, self.autoreset_mode == AutoresetMode.NEXT_STEP)
         ended = step.terminated | step.truncated
-        if not ended.any():
+        if not ended.any() or self.autoreset_mode != AutoresetMode.SAME_STEP:
             return *step, self._infos()
         final: Info = {
             "final_obs": as_objects(step.observations, ended),
@@ -117,19 +128,25 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
 
     def _infos(self, mask: Flags | None = None) -> Info:
         """Infos of all worlds, or of those of a mask."""
-        simulator, robot = self.simulator, self.learner.index
-        info: Info = {
-            "collision": simulator.hits[:, robot] >= 0,
-            "masked": simulator.masked[:, robot],
-            "checks": simulator.checks[:, robot],
-            "success": simulator.status[:, robot] != MOVING,
-        }
-        if has_clearances(simulator):
-            info["clearance"] = simulator.clearances[:, robot]
+        arrays, robot = info_arrays(self.simulator), self.learner.index
+        info: Info = {name: values[:, robot] for name, values in arrays.items()}
         return with_masks(info, np.ones(self.num_envs) if mask is None else mask)
 
     def __copy__(self) -> FleetVectorEnv:
         return copy.deepcopy(self)
+
+
+def autoreset_mode_of(value: str | AutoresetMode) -> AutoresetMode:
+    """Return a mode, given by itself or by its name or value.
+
+    Raises:
+        ValueError: no such mode.
+    """
+    for mode in AutoresetMode:
+        if value in (mode, mode.name, mode.value):
+            return mode
+    expected = ", ".join(mode.name for mode in AutoresetMode)
+    raise ValueError(f"autoreset_mode: got {value!r}, expected one of {expected}")
 
 
 def with_masks(info: Info, where: ArrayLike) -> Info:
