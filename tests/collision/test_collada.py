@@ -27,8 +27,9 @@ from support.scene_files import (
 )
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.meshes import folder
 from fgenv.collision import Shape
-from fgenv.collision.mesh_files import scene_parts
+from fgenv.collision.mesh_files import read_mesh_file, scene_parts
 
 VERTICES, FACES = box()
 INPUT = '<input semantic="VERTEX" source="#v" offset="0"/>'
@@ -105,6 +106,7 @@ BOXES: dict[str, Callable[[], bytes]] = {
     "missing texture": image,
     "camera": lambda: collada(f"{CAMERA}<node>{BOX}</node>"),
     "library node": lambda: collada('<node><instance_node url="#part"/></node>', more=LIBRARY),
+    "encoded reference": lambda: edited('url="#box"', 'url="#b%6Fx"'),
     "mirrored": lambda: collada(f"<node><scale>1 -1 1</scale>{BOX}</node>"),
     "mirrored matrix": lambda: collada(
         f"<node><matrix>{numbers(np.diag([-1, 1, 1, 1]))}</matrix>{BOX}</node>"
@@ -340,6 +342,14 @@ def test_node_trees_place_every_box(tree: tuple[str, list[Floats]], tmp_path: Pa
         assert np.abs(boxes - expected).max(axis=(1, 2)).min() < 1e-9 * scale
     volume = sum(6 * abs(np.linalg.det(pose[:3, :3])) for pose in poses)
     np.testing.assert_allclose(measures(mesh)[1], volume, rtol=1e-6)
+
+
+def test_the_foot_of_anymal_loads_without_its_texture() -> None:
+    """pycollada drops the primitive of a material with a broken texture."""
+    path = "anymal_b_simple_description/meshes/foot/anymal_foot.dae"
+    mesh = read_mesh_file(folder("example-robot-data") / path)
+    assert len(mesh.faces) == 4604
+    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [0.0619, 0.0619, 0.3613], atol=1e-4)
 
 
 def test_trimesh_reads_the_same(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,7 @@ from support.scene_files import (
     assert_box,
     assert_one_line,
     box,
+    glb,
     measures,
     one_box,
     read,
@@ -278,6 +280,13 @@ def test_external_buffers_by_relative_paths(tmp_path: Path) -> None:
     assert_box(read(tmp_path, "a.gltf", file.text("the%20data/b%C3%BCffer.bin")))
     assert_box(read(folder, "b.gltf", file.text("../the%20data/büffer.bin")))
     assert_box(read(tmp_path, "c.glb.gz", gzip.compress(file.glb())))
+
+
+def test_a_text_filled_with_zeros(tmp_path: Path) -> None:
+    file = one_box()
+    buffers = [{"byteLength": len(file.blob)}]
+    text = json.dumps({"buffers": buffers, **file.content}).encode() + b"\0\0\0"
+    assert_box(read(tmp_path, "a.glb", glb(text, bytes(file.blob))))
 
 
 def changed(change: Callable[[GltfFile], Any]) -> bytes:

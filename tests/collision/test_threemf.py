@@ -121,6 +121,13 @@ def test_several_items_and_skipped_objects(tmp_path: Path) -> None:
         assert word in notes
 
 
+def test_settings_of_slicers_are_noted(tmp_path: Path) -> None:
+    parts = {"_rels/.rels": RELATIONS, "3D/3dmodel.model": model(box_object())}
+    mesh = read(tmp_path, "a.3mf", zipped({**parts, "Metadata/Slic3r_PE_model.config": "..."}))
+    assert_box(mesh)
+    assert "slicer" in " ".join(mesh.notes)
+
+
 def edited(old: str, new: str) -> bytes:
     content = model(box_object())
     assert old in content
@@ -156,7 +163,7 @@ FAULTS: dict[str, tuple[bytes, str]] = {
     "half a vertex": (edited('v1="0"', 'v1="0.5"'), "vertex 0.5"),
     "NaN index": (edited('v1="0"', 'v1="nan"'), "vertex nan"),
     "NaN vertex": (edited('x="0.0"', 'x="nan"'), "nan"),
-    "word": (edited('x="0.0"', 'x="zero"'), "'zero' for x"),
+    "word": (edited('x="0.0"', 'x="zero"'), "'zero', '0.0', '0.0'. for x, y, z"),
     "missing coordinate": (edited('x="0.0"', ""), "no value for x"),
     "no triangles": (threemf(model('<object id="1"><mesh/></object>')), "no faces"),
     "empty object": (threemf(model('<object id="1"/>')), "no content"),

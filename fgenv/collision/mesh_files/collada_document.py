@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any, NoReturn
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ class ColladaDocument:
         name = reference.removeprefix("#")
         if not reference.startswith("#"):
             self.fail(element, f"a reference to {name[:60]!r}", "an element of the same file")
-        found = self._targets.get((tag, name), [])
+        found = self._targets.get((tag, name)) or self._targets.get((tag, unquote(name)), [])
         if len(found) != 1:
             count = "none" if not found else f"{len(found)}"
             self.fail(

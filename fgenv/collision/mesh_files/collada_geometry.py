@@ -87,6 +87,8 @@ def _positions(document: ColladaDocument, chosen: Element, mesh: Element) -> Ver
         )
     rows = offset + stride * np.arange(count)
     positions: Vertices = values[rows[:, None] + np.array(columns)]
+    if not np.isfinite(positions).all():
+        document.fail(source, f"nan or inf in {source}", "finite coordinates")
     return positions
 
 

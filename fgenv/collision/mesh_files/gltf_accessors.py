@@ -56,7 +56,11 @@ class AccessorReader:
             self.document.fail(name, f"the type {text}", f"{kind}, for {place}")
         if index not in self._arrays:
             array = self._array(accessor, name)
-            self._arrays[index] = array.astype(np.float64) if array.dtype.kind == "f" else array
+            if array.dtype.kind == "f":
+                array = array.astype(np.float64)
+                if not np.isfinite(array).all():
+                    self.document.fail(name, "NaN or infinity", "finite numbers")
+            self._arrays[index] = array
         return accessor, self._arrays[index]
 
     def _array(self, accessor: Item, name: str) -> NDArray[Any]:

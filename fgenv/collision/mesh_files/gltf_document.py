@@ -164,7 +164,7 @@ def _chunks(source: MeshSource) -> tuple[bytes, memoryview | None]:
     if chunks[0][0] != JSON_CHUNK:
         source.fail("a first chunk of another type", "JSON; export it again")
     binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == BINARY_CHUNK else None
-    return bytes(chunks[0][1]), binary
+    return bytes(chunks[0][1]).rstrip(b"\0 "), binary  # several writers fill with zeros
 
 
 def _parse_json(source: MeshSource, text: bytes) -> Item:

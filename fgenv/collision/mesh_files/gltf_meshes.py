@@ -116,7 +116,8 @@ class MeshReader:
                 offsets = self.accessors.floats(target["POSITION"], "VEC3", place)
                 if len(offsets) <= primitive.used.max(initial=-1):
                     self.document.fail(place, f"{len(offsets)} offsets", "one per vertex")
-                vertices = vertices + weight * offsets[primitive.used]
+                with np.errstate(over="ignore", invalid="ignore"):  # the caller reports infinity
+                    vertices = vertices + weight * offsets[primitive.used]
         return vertices
 
     def _check_compression(self, item: Item, attributes: Item, place: str) -> None:

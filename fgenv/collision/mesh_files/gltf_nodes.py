@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -118,7 +119,7 @@ def _trs(
 ) -> Floats:
     pose = np.eye(4) if t is None else translation(t)
     if r is not None:
-        length = float(np.sqrt((r * r).sum()))
+        length = math.hypot(*r.tolist())
         if not abs(length - 1) <= LENGTH_ERROR:
             document.fail(
                 f"{place}: rotation", f"a quaternion of length {length:g}", "the length 1"

@@ -37,6 +37,8 @@ def read_threemf(source: MeshSource) -> FileMesh:
         for item in items:
             place_object(package, package.target(root, item), pose_of(root, item), parts)
         unused = package.unused_objects()
+        if package.has_slicer_settings():
+            parts.note("Settings of a slicer are not read: its modifiers count as solid parts.")
     if unused:
         parts.note(f"{unused} objects are not in the build, and are skipped.")
     vertices, faces = parts.joined()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import TracebackType
 from typing import NamedTuple, NoReturn
 
@@ -28,6 +29,7 @@ NAMES = {
     "displacement": "displacement",
     "securecontent": "secure content (encryption)",
 }
+SLICER_SETTINGS = r"metadata/[^/]*model[^/]*\.config"
 ROWS = {"vertex": ("x", "y", "z"), "triangle": ("v1", "v2", "v3")}
 
 
@@ -107,6 +109,10 @@ class ThreemfPackage:
     def unused_objects(self) -> int:
         """Number of objects in the parts that were read and to which nothing refers."""
         return sum(len(objects) for objects in self._objects.values()) - len(self._used)
+
+    def has_slicer_settings(self) -> bool:
+        """Whether the package has the settings file of a slicer, which can name modifiers."""
+        return any(re.fullmatch(SLICER_SETTINGS, name) for name in self._members)
 
     def _part(self, path: str) -> ModelPart:
         name = path.removeprefix("/")

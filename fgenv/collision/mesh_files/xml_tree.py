@@ -84,6 +84,8 @@ class _Builder:
         self.source = source
         self.rows = rows
         self.part = f" in {part}" if part else ""
+        self.fields: dict[str, tuple[str, ...]] = {}  # of rows, by full name; () of other elements
+        self.in_row = False
         self.root = Element("", {}, 0)
         self.stack = [self.root]
         self.texts: list[list[str]] = [[]]
@@ -109,30 +111,38 @@ class _Builder:
         return self.root.children[0]
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
+        if self.in_row:
+            self._fail("an element inside a row of numbers", "a row without content")
+        fields = self.fields.get(name)
+        if fields is None:
+            fields = self.fields[name] = tuple(self.rows.get(name.rpartition(SEPARATOR)[2], ()))
+        if fields:
+            self.in_row = True
+            self._store(name, fields, attributes)
+            return
         if len(self.stack) > MAX_DEPTH:
             self._fail(f"elements nested over {MAX_DEPTH} deep", "a flat document")
-        parent, tag = self.stack[-1], name.rpartition(SEPARATOR)[2]
-        line = self.parser.CurrentLineNumber
-        if tag in self.rows:
-            self._store(parent, tag, attributes)
-            element = Element(name, {}, line)
-        else:
-            element = Element(name, attributes, line)
-            parent.children.append(element)
+        element = Element(name, attributes, self.parser.CurrentLineNumber)
+        self.stack[-1].children.append(element)
         self.stack.append(element)
         self.texts.append([])
 
-    def _store(self, parent: Element, tag: str, attributes: dict[str, str]) -> None:
-        values = parent.rows.setdefault(tag, array("d"))
-        for name in self.rows[tag]:
-            try:
-                values.append(float(attributes[name]))
-            except (KeyError, ValueError):
-                value = attributes.get(name)
-                received = "no value" if value is None else repr(value[:20])
-                self._fail(f"{received} for {name} of <{tag}>", "a number")
+    def _store(self, name: str, fields: tuple[str, ...], attributes: dict[str, str]) -> None:
+        tag, rows = name.rpartition(SEPARATOR)[2], self.stack[-1].rows
+        if tag not in rows:
+            rows[tag] = array("d")
+        try:
+            rows[tag].extend([float(attributes[field]) for field in fields])
+        except KeyError as error:
+            self._fail(f"no value for {error.args[0]} of <{tag}>", "a number")
+        except ValueError:
+            values = [attributes[field][:20] for field in fields]
+            self._fail(f"{values} for {', '.join(fields)} of <{tag}>", "numbers")
 
     def _end(self, _: str) -> None:
+        if self.in_row:
+            self.in_row = False
+            return
         self.stack.pop().text = "".join(self.texts.pop())
 
     def _text(self, text: str) -> None:
