@@ -11,6 +11,14 @@ from .simulator import Simulator
 from .state_readers import MOVING
 
 Info = dict[str, Any]
+NO_COLLISION: Info = {
+    "collision": False,
+    "other": -1,
+    "collision_time": -1.0,
+    "collision_x": 0.0,
+    "collision_y": 0.0,
+    "collision_z": 0.0,
+}
 
 
 def info_arrays(simulator: Simulator) -> dict[str, NDArray[Any]]:
@@ -46,9 +54,24 @@ def info_arrays(simulator: Simulator) -> dict[str, NDArray[Any]]:
 
 
 def infos(simulator: Simulator, world: int = 0) -> list[Info]:
-    """Return the info of each robot of a world: numbers and booleans, see `info_arrays`."""
-    columns = {name: values[world].tolist() for name, values in info_arrays(simulator).items()}
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    """Return the info of each robot of a world, see `info_arrays`: numbers and booleans."""
+    arrived = (simulator.status[world] != MOVING).tolist()
+    masked, checks = simulator.masked[world].tolist(), simulator.checks[world].tolist()
+    rows: list[Info] = [
+        {**NO_COLLISION, "masked": m, "checks": c, "success": s}
+        for m, c, s in zip(masked, checks, arrived, strict=True)
+    ]
+    if has_clearances(simulator):
+        for info, clearance in zip(rows, simulator.clearances[world].tolist(), strict=True):
+            info["clearance"] = clearance
+    hits = simulator.hits[world].tolist()
+    if max(hits) >= 0:  # rare: the arrays of the contacts are read in no other step
+        robots, times = simulator.hit_robots[world].tolist(), simulator.hit_times[world].tolist()
+        points = simulator.hit_points[world].tolist()
+        for info, hit, *contact, point in zip(rows, hits, robots, times, points, strict=True):
+            if hit >= 0:
+                info.update(zip(NO_COLLISION, (True, *contact, *point), strict=True))
+    return rows
 
 
 def has_clearances(simulator: Simulator) -> bool:

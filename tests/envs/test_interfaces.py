@@ -14,6 +14,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import fgenv
 from fgenv.agents import FleetVecEnv
 from fgenv.envs import FleetEnv, FleetVectorEnv
+from fgenv.envs.infos import info_arrays
 
 WAYS: dict[str, Any] = {"n": 3, "starts": "random", "threads": 1}
 
@@ -57,7 +58,12 @@ def test_infos_are_numbers_with_fixed_keys(clearance: bool) -> None:
     for _ in range(40):
         goals = env.simulator.toward(env.simulator.goals)[0]
         actions = {name: goals[i] for i, name in enumerate(env.possible_agents)}
-        every += [*env.step(actions)[-1].values(), single.step(goals[1])[-1]]
+        rows = env.step(actions)[-1]
+        every += [*rows.values(), single.step(goals[1])[-1]]
+        arrays = info_arrays(env.simulator)
+        for name, info in rows.items():
+            i = env.possible_agents.index(name)
+            assert info == {key: values[0, i].item() for key, values in arrays.items()}
         vectors = many.step(np.stack([goals[1]] * 2))[-1]
     for info in every:
         assert set(info) == keys
