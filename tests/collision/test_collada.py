@@ -251,6 +251,7 @@ FAULTS: dict[str, tuple[bytes, str]] = {
     "entities": (BOMB.encode(), "entity"),
     "outside file": (OUTSIDE.encode(), "entity"),
     "truncated": (collada()[:-100], "malformed XML"),
+    "bytes after the end": (collada() + b"\0\0", "after the end"),
     "deep": (b"<COLLADA>" + b"<a>" * 10**5, "nested over"),
     "other XML": (b"<svg/>", "<svg>"),
     "other text": (b"v 1 2 3", "malformed XML"),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from fgenv import _core
-from fgenv.arrays import Floats, Vertices
+from fgenv.arrays import Flags, Floats, Vertices
 
 
 def compose(first: Floats, second: Floats) -> Floats:
@@ -26,11 +26,13 @@ def transformed(vertices: Vertices, pose: Floats) -> Vertices:
     return moved
 
 
-def mirrors(pose: Floats) -> bool:
-    """Whether a matrix (4, 4) has a negative determinant; its scale can be extreme."""
-    linear = pose[:3, :3]
-    size = np.abs(linear).max()
-    return bool(size > 0 and np.linalg.det(linear / size) < 0)
+def mirrors(poses: Floats) -> Flags:
+    """Whether matrices (..., 3, 3) or (..., 4, 4) turn solids inside out, whatever their scale."""
+    linear = poses[..., :3, :3]
+    size = np.abs(linear).max(axis=(-1, -2), keepdims=True)
+    a, b, c = np.moveaxis(linear / np.where(size > 0, size, 1.0), -1, 0)
+    negative: Flags = (np.cross(a, b) * c).sum(axis=-1) < 0
+    return negative
 
 
 def translation(offset: Floats) -> Floats:

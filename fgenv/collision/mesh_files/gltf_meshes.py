@@ -9,7 +9,7 @@ import numpy as np
 
 from fgenv.arrays import Faces, Floats, Ints, Vertices
 
-from .affine import transformed
+from .affine import mirrors, transformed
 from .gltf_accessors import AccessorReader
 from .gltf_document import GltfDocument, Item
 from .polygons import fan_faces, strip_faces
@@ -162,7 +162,7 @@ def skinned(
         moved[used] += share[used, None] * transformed(vertices[used], pose)
         linear[used] += share[used, None, None] * pose[:3, :3]
     faces = primitive.faces.copy()
-    mirrored = np.linalg.det(linear)[faces[:, 0]] < 0
+    mirrored = mirrors(linear)[faces[:, 0]]
     faces[mirrored] = faces[mirrored, ::-1]
     return moved, faces
 

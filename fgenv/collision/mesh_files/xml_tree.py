@@ -101,6 +101,8 @@ class _Builder:
         try:
             self.parser.Parse(data, True)
         except expat.ExpatError as error:
+            if self.root.children and len(self.stack) == 1:
+                self._fail("bytes after the end of the XML", "nothing after it; remove them")
             reason = expat.ErrorString(error.code)
             self._fail(f"malformed XML ({reason})", "a complete file; export it again")
         except (LookupError, UnicodeError, ValueError) as error:
