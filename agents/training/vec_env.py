@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import copy
+import time
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -68,8 +69,9 @@ class FleetVecEnv(VecEnv):
     All rows of a world end together: when all robots have arrived, a collision ends the episode, or
     the horizon is reached. Robots that have arrived rest until then, at reward 0. World w of seed s
     is the world of `Simulator.reset(seed=s + w)`. Infos of rows that end have
-    `terminal_observation`, `is_success` (the robot has arrived) and `collisions` (number of steps
-    with a contact); all infos have `TimeLimit.truncated`.
+    `terminal_observation`, `is_success` (the robot has arrived), `steps_in_contact`, and `episode`
+    as Stable-Baselines3's Monitor gives it: return `r`, length `l`, seconds `t`; all infos have
+    `TimeLimit.truncated`.
 
     Args:
         scenario: a name, a file, a Scenario, a FrozenSet; or a Simulator without autoreset.
@@ -98,6 +100,8 @@ class FleetVecEnv(VecEnv):
         observation, action = shared_spaces(self.simulator)
         self.render_mode, self.screen = render_mode, Screen(self.simulator, render_mode)
         self._seed: int | None = None
+        self._returns = np.zeros(self.simulator.n_worlds * self.simulator.n_robots)
+        self._began = time.perf_counter()
         rows = self.simulator.n_worlds * self.simulator.n_robots
         super().__init__(rows, observation, action)
         self.metadata: dict[str, Any] = {
@@ -116,6 +120,7 @@ class FleetVecEnv(VecEnv):
         """Begin episodes; return observations (rows, size)."""
         rows = self.simulator.reset(first_seed(self.simulator, self._seed))
         self._seed = None
+        self._returns[:] = 0.0
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = [{} for _ in range(self.num_envs)]
@@ -143,12 +148,13 @@ class FleetVecEnv(VecEnv):
         shape = (simulator.n_worlds, simulator.n_robots, simulator.action_size)
         step = simulator.step(actions.reshape(shape))
         ended, observations = step.terminated | step.truncated, step.observations
+        rewards = step.rewards.astype(np.float32).reshape(-1)
+        self._returns += rewards
         infos: list[dict[str, Any]] = [{"TimeLimit.truncated": False} for _ in range(self.num_envs)]
         if ended.any():
             worlds = np.flatnonzero(ended)
             self._set_final_infos(worlds, step, infos)
             observations[worlds] = simulator.reset(worlds=worlds)
-        rewards = step.rewards.astype(np.float32).reshape(-1)
         return self._flat(observations), rewards, np.repeat(ended, simulator.n_robots), infos
 
     def get_images(self) -> Sequence[Frame | None]:
@@ -205,9 +211,14 @@ class FleetVecEnv(VecEnv):
         last, truncated = step.observations[worlds], step.truncated[worlds].tolist()
         arrived = (self.simulator.arrival_steps[worlds] >= 0).tolist()
         in_contact = self.simulator.collision_counts[worlds].tolist()
+        steps, seconds = self.simulator.steps[worlds].tolist(), time.perf_counter() - self._began
         for k, w in enumerate(worlds.tolist()):
             for i in range(n):
-                infos[w * n + i] = {
+                row = w * n + i
+                episode = {"r": float(self._returns[row]), "l": steps[k], "t": round(seconds, 6)}
+                self._returns[row] = 0.0
+                infos[row] = {
+                    "episode": episode,
                     "terminal_observation": last[k, i],
                     "TimeLimit.truncated": truncated[k],
                     "is_success": arrived[k][i],

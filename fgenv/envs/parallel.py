@@ -27,6 +27,7 @@ from .options import check_reset_options, first_seed, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, StepResult
 from .simulator_settings import MAX_STEPS, check_integer
+from .single_agent import real_numbers
 from .spaces import action_box, observation_box, state_box, state_of
 
 Rows = dict[str, Floats32]
@@ -171,10 +172,7 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
             ValueError: wrong shape, or not finite numbers.
         """
         expected = self._shapes[self._index(agent)]
-        try:
-            numbers = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError(f"action of {agent!r}: got {action!r}, expected numbers") from None
+        numbers = real_numbers(action, f"action of {agent!r}")
         if numbers.shape != expected:
             raise ValueError(f"action of {agent!r}: got shape {numbers.shape}, expected {expected}")
         if not np.isfinite(numbers).all():
@@ -194,7 +192,9 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         every = np.zeros((1, len(self._indices), self.simulator.action_size))
         try:
             if self._uniform:  # one array is faster
-                rows = np.array([actions[name] for name in self.agents], dtype=np.float64)
+                rows = np.array([actions[name] for name in self.agents])
+                if rows.dtype.kind not in "biuf":
+                    raise TypeError("actions: expected real numbers")  # named below
                 if rows.shape == every.shape[1:]:
                     return self.simulator.step(rows[None])
                 if rows.shape == (len(self.agents), every.shape[2]):

@@ -302,8 +302,8 @@ class Simulator(SimulatorState):
 def world_seeds(seed: int | Sequence[int], n: int) -> NDArray[np.int64]:
     """Return one seed per world, from a first seed or a list of n seeds."""
     if isinstance(seed, (int, np.integer)):
-        if not 0 <= seed < 2**63 - n:
-            raise ValueError(f"seed: got {seed}, expected 0 to 2^63 - 1")
+        if not 0 <= seed <= 2**63 - n:
+            raise ValueError(f"seed: got {seed}, expected 0 to 2^63 - {n}")
         return np.arange(n, dtype=np.int64) + np.int64(seed)
     seeds = np.asarray(seed)
     if seeds.shape != (n,) or seeds.dtype.kind not in "iu" or (seeds < 0).any():

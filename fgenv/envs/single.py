@@ -11,7 +11,6 @@ import copy
 from typing import Any, ClassVar
 
 import gymnasium
-import numpy as np
 from numpy.typing import ArrayLike
 
 from fgenv.arrays import Floats32
@@ -20,7 +19,7 @@ from .infos import Info, infos
 from .options import check_reset_options, first_seed, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
-from .single_agent import LearningRobot
+from .single_agent import LearningRobot, real_numbers
 from .spaces import action_box, observation_box
 
 
@@ -84,7 +83,10 @@ class FleetEnv(gymnasium.Env[Any, Any]):
             ValueError: wrong shape, or a number that is not finite. The state is unchanged.
             RuntimeError: the episode is over.
         """
-        step = self.learner.step(np.asarray(action)[None])
+        own = real_numbers(action, label := f"action of {self.learner.name!r}")
+        if own.shape != self.action_space.shape:
+            raise ValueError(f"{label}: got shape {own.shape}, expected {self.action_space.shape}")
+        step = self.learner.step(own[None])
         terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
         return step.observations[0], float(step.rewards[0]), terminated, truncated, self._info()
 

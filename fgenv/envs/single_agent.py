@@ -39,6 +39,11 @@ class LearningRobot:
         self.others, self._policy = others, policy_of(others)
         self._over = np.ones(simulator.n_worlds, dtype=bool)
 
+    @property
+    def name(self) -> str:
+        """Name of the learning robot."""
+        return self.simulator.names[self.index]
+
     def reset(
         self, seed: int | Sequence[int] | None = None, worlds: ArrayLike | None = None
     ) -> Floats32:
@@ -86,18 +91,31 @@ class LearningRobot:
         return observations[:, self.index, :size].copy()
 
     def _checked(self, actions: ArrayLike) -> Floats:
-        own = np.asarray(actions, dtype=np.float64)
-        expected = (self.simulator.n_worlds, self.simulator.action_sizes[self.index])
-        name = self.simulator.names[self.index]
-        if own.shape != expected:
-            raise ValueError(f"action of {name!r}: got shape {own.shape}, expected {expected}")
+        worlds, size = self.simulator.n_worlds, self.simulator.action_sizes[self.index]
+        label = f"action of {self.name!r}"
+        own = real_numbers(actions, label)
+        if own.shape != (worlds, size):
+            raise ValueError(f"{label}: got shape {own.shape}, expected {(worlds, size)}")
         if not np.isfinite(own).all():
             world = int(np.argwhere(~np.isfinite(own))[0, 0])
-            raise ValueError(
-                f"action of {name!r} in world {world}: got {own[world].tolist()}, expected finite"
-                " numbers"
-            )
+            where = f" in world {world}" if worlds > 1 else ""
+            raise ValueError(f"{label}{where}: got {own[world].tolist()}, expected finite numbers")
         return own
+
+
+def real_numbers(value: Any, label: str) -> Floats:
+    """Return real numbers as an array.
+
+    Raises:
+        ValueError: text, objects or complex numbers.
+    """
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "biuf":
+            return array.astype(np.float64)
+    except (TypeError, ValueError):  # rows of different lengths
+        pass
+    raise ValueError(f"{label}: got {value!r}, expected real numbers")
 
 
 def robot_index(simulator: Simulator, robot: str | int) -> int:

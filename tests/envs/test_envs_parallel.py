@@ -174,7 +174,7 @@ BAD = [
     ({"robot 1": [0.0, np.nan]}, "action of 'robot 1'"),
     ({"robot 1": [0.0, np.inf]}, "finite"),
     ({"robot 1": [0.0, 0.0, 0.0]}, r"shape \(3,\), expected \(2,\)"),
-    ({"robot 1": "left"}, "expected numbers"),
+    ({"robot 1": "left"}, "expected real numbers"),
     ({"robot 1": None}, "action of 'robot 1'"),
     ({"robot 9": [0.0, 0.0]}, "robot: got 'robot 9', expected robot 1"),
 ]

@@ -37,6 +37,7 @@ def test_rows_equal_the_simulator() -> None:
     envs.seed(9)
     assert np.array_equal(np.asarray(envs.reset()), simulator.reset(seed=9).reshape(12, -1))
     rng = np.random.default_rng(0)
+    returns = np.zeros(12)
     for k in range(13):
         actions = rng.uniform(-1, 1, (12, 2))
         rows, rewards, dones, infos = envs.step(actions.astype(np.float32))
@@ -45,7 +46,11 @@ def test_rows_equal_the_simulator() -> None:
         assert np.array_equal(rewards, done.rewards.astype(np.float32).reshape(-1))
         assert rewards.dtype == np.float32
         assert dones.tolist() == np.repeat(done.terminated | done.truncated, 3).tolist()
+        returns += rewards
         if k % 6 == 5:
+            assert [info["episode"]["l"] for info in infos] == [6] * 12
+            assert np.allclose([info["episode"]["r"] for info in infos], returns)
+            returns[:] = 0
             last = simulator.final_observations
             assert last is not None
             for info, row in zip(infos, last.reshape(12, -1), strict=True):
@@ -67,6 +72,8 @@ def test_final_infos_have_success() -> None:
     assert infos[4]["is_success"]
     assert not infos[4]["TimeLimit.truncated"]
     assert infos[4]["steps_in_contact"] == 0
+    episode = infos[4]["episode"]
+    assert (episode["r"], episode["l"]) == (pytest.approx(rewards[4]), 1)
 
 
 def test_seeds() -> None:

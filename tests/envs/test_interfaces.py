@@ -133,3 +133,29 @@ def test_without_autoreset_worlds_are_reset_by_a_mask() -> None:
 def test_rows_of_stable_baselines_begin_apart() -> None:
     first, second = (FleetVecEnv("random", **WAYS).reset() for _ in range(2))
     assert not np.array_equal(first, second)
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (np.zeros((1, 2)), r"action of 'robot 1': got shape \(1, 2\), expected \(2,\)"),
+        ([1j, 0], "action of 'robot 1': got .*1j.*, expected real numbers"),
+        (["a", "b"], "action of 'robot 1': got .*, expected real numbers"),
+        ([np.nan, 0], r"action of 'robot 1': got \[nan, 0.0\], expected finite numbers"),
+    ],
+)
+def test_invalid_actions_have_the_same_error_on_each_interface(action: Any, message: str) -> None:
+    env = fgenv.parallel_env("swap", n=2)
+    env.reset(seed=0)
+    single = FleetEnv("swap", n=2)
+    single.reset(seed=0)
+    with pytest.raises(ValueError, match=message):
+        env.step({"robot 1": action, "robot 2": np.zeros(2)})
+    with pytest.raises(ValueError, match=message):
+        single.step(action)
+
+
+def test_the_largest_seed_is_accepted() -> None:
+    FleetEnv("swap", n=2).reset(seed=2**63 - 1)
+    with pytest.raises(ValueError, match=r"seed: got 9223372036854775807, expected 0 to 2\^63 - 2"):
+        FleetVectorEnv("swap", 2, n=2).reset(seed=2**63 - 1)
