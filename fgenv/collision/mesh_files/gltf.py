@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from .content import FileMesh, MeshSource, Unit
-from .gltf_document import GltfDocument, parse_document
+from .gltf_container import parse_document
+from .gltf_document import GltfDocument
 from .gltf_nodes import place_nodes, scene_roots
 from .scene_parts import SceneParts
 
