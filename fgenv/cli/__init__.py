@@ -14,6 +14,7 @@ from fgenv.cli import (
     bench,
     compare,
     eval,
+    mesh,
     plan,
     plot,
     render,
@@ -46,6 +47,7 @@ EPILOG = """
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   all errors of a scenario file
+  fgenv mesh link.dae --picture link.png  what a mesh file specifies
   fgenv compare                           accuracy and speed of each method
   fgenv bench pairs                       compare with other collision libraries
   fgenv bench world                       the same with many moving bodies
@@ -105,6 +107,7 @@ app.command()(render.render)
 app.command()(plot.plot)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
+app.command()(mesh.mesh)
 app.command()(compare.compare)
 app.add_typer(bench.app)
 

@@ -50,3 +50,10 @@ def plot_kinds() -> Iterable[str]:
     from fgenv.view.figures.record_plots import KINDS
 
     return (*KINDS, "learning")
+
+
+def methods_of_shapes() -> Iterable[str]:
+    """Return the methods of feature graphs."""
+    from fgenv.collision.feature_graph import METHODS
+
+    return METHODS
