@@ -30,7 +30,7 @@ class _Placer:
         self.parts = parts
         self.reader = GeometryReader(document, parts)
         self.used: set[int] = set()
-        self.path: list[Element] = []
+        self.path: set[int] = set()  # ids of the nodes that contain the current one
         self._holds_surface: dict[int, bool] = {}
 
     def place(self, node: Element, parent: Floats) -> None:
@@ -38,18 +38,18 @@ class _Placer:
         if not self._has_surface(node):  # e.g. cameras, with a transform of any kind
             return
         self.parts.visit()
-        if any(node is above for above in self.path):
+        if id(node) in self.path:
             self.document.fail(node, f"{node} inside itself", "a tree of nodes")
         if len(self.path) > 256:
             self.document.fail(node, "instances nested over 256 deep", "a flat scene")
-        self.path.append(node)
+        self.path.add(id(node))
         pose = parent
         for element in node.children:
             if element.tag in TRANSFORMS or element.tag == "skew":
                 pose = compose(pose, _transform(self.document, element))
         for element in node.all(*INSTANCES):
             self._instance(element, pose)
-        self.path.pop()
+        self.path.remove(id(node))
 
     def _instance(self, element: Element, pose: Floats) -> None:
         if element.tag == "node":

@@ -12,7 +12,7 @@ from .affine import mirrors, transformed
 from .content import MeshSource
 
 MAX_ITEMS = 1 << 26  # vertices, and faces: a small file can instance one mesh without bound
-MAX_NODES = 1 << 18  # visits of nodes, for the same reason
+MAX_NODES = 1 << 17  # visits of nodes, for the same reason
 
 
 @dataclass

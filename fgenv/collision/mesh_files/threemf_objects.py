@@ -24,15 +24,15 @@ def place_object(
     found: ModelObject,
     pose: Floats,
     parts: SceneParts,
-    path: tuple[ModelObject, ...] = (),
+    path: frozenset[int] = frozenset(),
 ) -> None:
     """Add an object with its components at a pose (4, 4).
 
     Args:
-        path: the objects that contain it, from the build down.
+        path: ids of the elements of the objects that contain it.
     """
     parts.visit()
-    if any(found.element is above.element for above in path):
+    if id(found.element) in path:
         found.fail(f"{found} inside itself", "a tree of components")
     if len(path) > MAX_DEPTH:
         found.fail(f"components nested over {MAX_DEPTH} deep", "a flat build")
@@ -49,7 +49,7 @@ def place_object(
     for component in components.all("component") if components else ():
         target = package.target(found.part, component)
         below = compose(pose, pose_of(found.part, component))
-        place_object(package, target, below, parts, (*path, found))
+        place_object(package, target, below, parts, path | {id(found.element)})
 
 
 def pose_of(part: ModelPart, element: Element) -> Floats:
