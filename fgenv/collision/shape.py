@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,8 @@ class Shape(_core.Shape):
             contact is no deeper than the sum of both shapes' tolerances.
         angle: radians, for `crease` and `loop`; see `FeatureGraph`.
         name: used in messages.
+        progress: called with the share of the work that is done, from 0 to 1; what it raises ends
+            the construction, as Ctrl-C does.
 
     Raises:
         ValueError, TypeError: invalid argument, with its name, its value and the expected value.
@@ -53,11 +56,12 @@ class Shape(_core.Shape):
         tolerance: float | None = None,
         angle: float | tuple[float, float] | None = None,
         name: str = "",
+        progress: Callable[[float], None] | None = None,
     ) -> None:
         self.settings = settings(method, tolerance=tolerance, angle=angle)
         self.name = name
         self._file: FileSummary | None = None
-        super().__init__(vertices, faces, **self.settings._asdict())
+        super().__init__(vertices, faces, progress=progress, **self.settings._asdict())
         self._warn()
 
     @classmethod
@@ -70,6 +74,7 @@ class Shape(_core.Shape):
         tolerance: float | None = None,
         angle: float | tuple[float, float] | None = None,
         name: str | None = None,
+        progress: Callable[[str, float], None] | None = None,
     ) -> Shape:
         """Read a mesh file (STL, OBJ, PLY, OFF, GLB, glTF, DAE, 3MF, also packed by gzip or zip).
 
@@ -81,13 +86,16 @@ class Shape(_core.Shape):
             path: the file; the meshes of a scene are placed and joined into one.
             scale: factor, e.g. 0.001 for a file in millimeters of a format without unit.
             name: default: the file's name without its suffixes.
+            progress: called with the stage, "reading" or "building", and the share that is done.
 
         Raises:
             FileNotFoundError, ValueError: with the file's name and the remedy.
         """
         path = Path(path)
-        mesh = read_mesh_file(path, scale)
+        call = progress or (lambda stage, share: None)
+        mesh = read_mesh_file(path, scale, partial(call, "reading"))
         options: dict[str, Any] = {"tolerance": tolerance, "angle": angle}
+        options["progress"] = progress and partial(progress, "building")
         packed = path.suffix.lower() == ".gz"
         options["name"] = (
             name if name is not None else Path(path.stem).stem if packed else path.stem

@@ -7,8 +7,11 @@ fgenv._core.__prefix__:
     \from numpy import bool_, float32, float64, int32, int64, uint8
     \from numpy.typing import ArrayLike, NDArray
 
-fgenv._core.(FeatureGraph|Shape).__init__$:
+fgenv._core.FeatureGraph.__init__$:
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, method: str, *, valley: float, ridge: float, tolerance: float) -> None: ...
+
+fgenv._core.Shape.__init__$:
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, method: str, *, valley: float, ridge: float, tolerance: float, progress: Callable[[float], None] | None = None) -> None: ...
 
 fgenv._core.(FeatureGraph.|Shape.)(points|vertices|bounds|flat_faces)$:
     @property

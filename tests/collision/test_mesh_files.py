@@ -30,7 +30,7 @@ from support.mesh_files import (
 )
 
 from fgenv.collision import MeshWarning, Shape
-from fgenv.collision.mesh_files import FileMesh, Unit, read_mesh_file, unit_warning
+from fgenv.collision.mesh_files import FileMesh, Unit, read_mesh_file, text, unit_warning
 
 CASES = mesh_cases()
 
@@ -248,3 +248,56 @@ def test_formats_are_listed_by_the_error_of_an_unknown_one(tmp_path: Path) -> No
         Shape.load(path)
     for words in (".stl", ".obj", ".ply", ".off", ".glb", ".dae", ".3mf", ".gz", "CAD"):
         assert words in str(caught.value)
+
+
+# Long work
+
+
+def test_progress_of_a_text_and_of_the_tree(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(text, "CHUNK", 1000)
+    path = tmp_path / "ball.obj"
+    vertices, faces = ball(1.0, subdivisions=6)
+    path.write_text(obj(vertices, faces.tolist()))
+    calls: list[tuple[str, float]] = []
+    shape = Shape.load(path, progress=lambda stage, share: calls.append((stage, share)))
+    assert len(shape.faces) == len(faces)
+    assert [stage for stage, _ in calls] == sorted((stage for stage, _ in calls), reverse=True)
+    for stage in ("reading", "building"):
+        shares = [share for name, share in calls if name == stage]
+        assert shares == sorted(shares)
+        assert all(0 <= share <= 1 for share in shares)
+    assert sum(name == "reading" for name, _ in calls) > 100
+
+
+def test_chunks_of_a_text_do_not_matter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Facets, faces and line numbers across the borders of chunks."""
+    for case in CASES:
+        if case.name.lower().endswith((".stl", ".obj", ".off")):
+            path = tmp_path / case.name
+            path.write_bytes(case.content)
+            whole = read_mesh_file(path)
+            for size in (1, 37):
+                monkeypatch.setattr(text, "CHUNK", size)
+                parts = read_mesh_file(path)
+                assert (parts.vertices == whole.vertices).all()
+                assert (parts.faces == whole.faces).all()
+                assert parts.notes == whole.notes
+            monkeypatch.undo()
+    monkeypatch.setattr(text, "CHUNK", 10)
+    path = tmp_path / "bad.obj"
+    path.write_text(obj(*prism()) + "f 1 \\\n 2 3\nf 1 2 99\n")
+    with pytest.raises(ValueError, match="line 23: got the vertex index 99"):
+        read_mesh_file(path)
+
+
+def test_an_exception_in_progress_ends_the_construction() -> None:
+    """As the native code runs without the lock of Python, the exception crosses it."""
+    vertices, faces = ball(1.0, subdivisions=6)
+
+    def stop(share: float) -> None:
+        raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError, match="stop"):  # it is called each 20 ms
+        Shape(vertices, faces, progress=stop)

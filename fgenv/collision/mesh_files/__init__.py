@@ -12,7 +12,7 @@ import numpy as np
 from fgenv.collision.feature_graph import is_number
 
 from .collada import read_collada
-from .content import FileMesh, MeshSource, Unit
+from .content import FileMesh, MeshSource, Unit, ignore_progress
 from .files import open_mesh
 from .gltf import read_gltf
 from .obj import read_obj
@@ -47,11 +47,14 @@ READERS: Mapping[str, Callable[[MeshSource], FileMesh]] = {
 }
 
 
-def read_mesh_file(path: Path, scale: float = 1.0) -> FileMesh:
+def read_mesh_file(
+    path: Path, scale: float = 1.0, progress: Callable[[float], None] = ignore_progress
+) -> FileMesh:
     """Read a mesh file; vertices are in meters, multiplied by scale after the file's unit.
 
     A file may be packed: `part.stl.gz`, or a .zip with exactly one mesh. Axes are not converted:
-    `FileMesh.up` is the up axis that the file states.
+    `FileMesh.up` is the up axis that the file states. `progress` is called with the share of a long
+    text that is read.
 
     Raises:
         FileNotFoundError: no such file.
@@ -60,7 +63,7 @@ def read_mesh_file(path: Path, scale: float = 1.0) -> FileMesh:
     """
     if not (is_number(scale) and math.isfinite(scale) and scale > 0):
         raise ValueError(f"scale: got {scale!r}, expected a factor over 0")
-    source = open_mesh(path, READERS)
+    source = replace(open_mesh(path, READERS), progress=progress)
     mesh = READERS[source.suffix](source)
     _check(source, mesh)
     factor = scale * (1.0 if mesh.unit is None else mesh.unit.meters)

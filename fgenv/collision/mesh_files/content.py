@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -17,6 +18,10 @@ class Unit:
     meters: float  # per unit
 
 
+def ignore_progress(share: float) -> None:
+    """Do nothing: no one looks at the progress."""
+
+
 @dataclass(frozen=True)
 class MeshSource:
     """The content of a mesh file.
@@ -25,11 +30,13 @@ class MeshSource:
         path: the file, for messages and for files that it refers to.
         suffix: lower case, with its dot, of the mesh itself: `.stl` for `part.STL.gz`.
         data: the bytes, unpacked.
+        progress: called by readers of long texts with the share that is read.
     """
 
     path: Path
     suffix: str
     data: bytes
+    progress: Callable[[float], None] = ignore_progress
 
     def fail(self, received: str, expected: str, *, line: int | None = None) -> NoReturn:
         """Raise the ValueError of unreadable content: place, value received, value expected."""

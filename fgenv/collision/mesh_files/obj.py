@@ -46,7 +46,7 @@ def read_obj(source: MeshSource) -> FileMesh:
     """Read an OBJ file: all groups and objects as one mesh; `l` and `p` elements are noted."""
     data = CONTINUED.sub(JOINT, source.data) if b"\\" in source.data else source.data
     elements, skipped = _Elements(), 0
-    for first, lines in text_chunks(data):
+    for first, lines in text_chunks(source, data):
         skipped += _read_lines(source, lines, first + skipped, elements)
     vertices = np.concatenate(elements.vertices or [np.empty((0, 3))])
     if not elements.counts:

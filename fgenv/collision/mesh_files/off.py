@@ -23,7 +23,7 @@ class _Lines:
         self.source = source
         self.lines: list[bytes] = []
         self.numbers: list[int] = []
-        for first, lines in text_chunks(source.data):
+        for first, lines in text_chunks(source):
             for number, line in enumerate(lines, first):
                 content = line.partition(b"#")[0] if b"#" in line else line
                 if content and not content.isspace():

@@ -73,7 +73,7 @@ def _mesh(name: str, corners: Floats, notes: tuple[str, ...] = ()) -> FileMesh:
 
 def _read_text(source: MeshSource) -> FileMesh:
     letters, corners = [], []
-    for first, lines in text_chunks(source.data):
+    for first, lines in text_chunks(source):
         words = [line.split(None, 1) for line in lines]
         kinds = "".join(KEYWORDS.get(w[0].lower(), "?") if w else "_" for w in words)
         if (bad := kinds.find("?")) >= 0 and b"endsolid".startswith(words[bad][0]):

@@ -18,13 +18,19 @@ CHUNK = 32 << 20  # bytes of text split at once, which bounds the memory
 END_FLOAT, END_INT = 1.5e300, -(2**62 - 1)
 
 
-def text_chunks(data: bytes) -> Iterator[tuple[int, list[bytes]]]:
-    """Lines of a text in chunks, with the number of the first line (from 1)."""
+def text_chunks(source: MeshSource, data: bytes | None = None) -> Iterator[tuple[int, list[bytes]]]:
+    """Lines of a text in chunks, with the number of the first line (from 1).
+
+    Args:
+        data: replaces the content of the source.
+    """
+    data = source.data if data is None else data
     if b"\n" not in data:
         data = data.replace(b"\r", b"\n")  # as old Macintosh programs write
     begin = 3 if data.startswith(b"\xef\xbb\xbf") else 0  # the mark of UTF-8
     number = 1
     while begin < len(data):
+        source.progress(begin / len(data))
         end = data.find(b"\n", min(begin + CHUNK, len(data)) - 1)
         end = len(data) if end < 0 else end + 1
         lines = data[begin:end].split(b"\n")

@@ -1,6 +1,7 @@
 // Python classes of a shape and its feature graph.
 #include "bind/bind.h"
 
+#include <chrono>
 #include <numbers>
 
 #include "bind/arrays.h"
@@ -21,7 +22,20 @@ GraphSettings settings_of(const std::string& method, double valley, double ridge
     return s;
 }
 
-Mesh mesh_from(nb::handle vertices, nb::handle faces) {
+// Checks for Ctrl-C and calls a Python function, or None, with the share of the work that is done. What either
+// raises ends the build. The build runs without the GIL.
+BuildMonitor monitor_for(nb::handle progress) {
+    using Clock = std::chrono::steady_clock;
+    return [progress, last = Clock::now()](double done) mutable {
+        if (Clock::now() - last < std::chrono::milliseconds(20)) return;
+        const nb::gil_scoped_acquire locked;
+        if (PyErr_CheckSignals() != 0) throw nb::python_error();
+        if (!progress.is_none()) progress(done);
+        last = Clock::now();
+    };
+}
+
+Mesh mesh_from(nb::handle vertices, nb::handle faces, const BuildMonitor& monitor) {
     const Array<double> v = points(vertices, "vertices");
     const Array<int64_t> f = indices(faces, "faces");
     const auto fail = [](const std::string& text) { throw nb::value_error(text.c_str()); };
@@ -48,7 +62,7 @@ Mesh mesh_from(nb::handle vertices, nb::handle faces) {
             triangles[i][k] = static_cast<int32_t>(index);
         }
     nb::gil_scoped_release released;
-    return read_mesh(std::move(points), std::move(triangles));
+    return read_mesh(std::move(points), std::move(triangles), monitor);
 }
 
 void require_faces(const Mesh& mesh) {
@@ -108,7 +122,7 @@ void bind_shape(nb::module_& m) {
             "__init__",
             [](Graph* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
                double ridge, double tolerance) {
-                Mesh mesh = mesh_from(vertices, faces);
+                Mesh mesh = mesh_from(vertices, faces, monitor_for(nb::none()));
                 require_faces(mesh);
                 new (self) Graph(graph_of(build_graph(mesh, settings_of(method, valley, ridge, tolerance)), mesh));
             },
@@ -132,14 +146,15 @@ void bind_shape(nb::module_& m) {
         .def(
             "__init__",
             [](Shape* self, nb::handle vertices, nb::handle faces, const std::string& method, double valley,
-               double ridge, double tolerance) {
-                Mesh mesh = mesh_from(vertices, faces);
+               double ridge, double tolerance, nb::handle progress) {
+                const BuildMonitor monitor = monitor_for(progress);
+                Mesh mesh = mesh_from(vertices, faces, monitor);
                 require_faces(mesh);
                 nb::gil_scoped_release released;
-                new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance)));
+                new (self) Shape(build_shape(std::move(mesh), settings_of(method, valley, ridge, tolerance), monitor));
             },
             nb::arg("vertices").none(), nb::arg("faces").none(), nb::arg("method"), nb::kw_only(), nb::arg("valley"),
-            nb::arg("ridge"), nb::arg("tolerance"))
+            nb::arg("ridge"), nb::arg("tolerance"), nb::arg("progress") = nb::none())
         .def_prop_ro("vertices", [](const Shape& s) { return rows3(s.mesh.vertices); })
         .def_prop_ro("faces",
                      [](const Shape& s) {

@@ -254,11 +254,13 @@ void drop_flat_faces(Mesh& mesh) {
 
 }  // namespace
 
-Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces) {
+Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces, const BuildMonitor& monitor) {
     Mesh mesh;
+    report(monitor, 0);
     mesh.vertices = std::move(vertices);
     mesh.faces = std::move(faces);
     merge_vertices(mesh);
+    report(monitor, 0.4 * mesh_share);
 
     const auto repeated = [](const Face& f) { return f[0] == f[1] || f[1] == f[2] || f[2] == f[0]; };
     const size_t before = mesh.faces.size();
@@ -266,10 +268,13 @@ Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces) {
     mesh.repairs.degenerate_faces = static_cast<int64_t>(before - mesh.faces.size());
     drop_duplicate_faces(mesh);
     drop_unused_vertices(mesh);
+    report(monitor, 0.6 * mesh_share);
 
     find_edges(mesh);
+    report(monitor, 0.8 * mesh_share);
     orient(mesh);
     find_shells(mesh);
+    report(monitor, 0.9 * mesh_share);
     drop_flat_faces(mesh);
     mesh.watertight = !mesh.faces.empty() &&
                       std::all_of(mesh.shell.begin(), mesh.shell.end(), [&](int32_t s) { return mesh.closed[s]; });

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "math/geometry.h"
+#include "shape/build_monitor.h"
 
 namespace fgenv {
 
@@ -37,7 +38,7 @@ struct Mesh {
 };
 
 // Indices must be in range and coordinates finite.
-Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces);
+Mesh read_mesh(std::vector<Vec3> vertices, std::vector<Face> faces, const BuildMonitor& monitor = {});
 
 static inline Triangle triangle(const Mesh& mesh, int32_t face) {
     const Face& f = mesh.faces[face];

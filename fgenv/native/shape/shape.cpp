@@ -136,10 +136,12 @@ size_t bytes(const PackedBoxes& boxes) {
 
 }  // namespace
 
-Shape build_shape(Mesh mesh, const GraphSettings& settings) {
+Shape build_shape(Mesh mesh, const GraphSettings& settings, const BuildMonitor& monitor) {
     Shape shape;
+    report(monitor, mesh_share);
     shape.graph = build_graph(mesh, settings);
-    shape.tree = build_tree(mesh, shape.graph);
+    report(monitor, graph_share);
+    shape.tree = build_tree(mesh, shape.graph, monitor);
     shape.parts = find_parts(mesh, shape.graph);
     shape.anchors = find_anchors(shape.parts);
     shape.smallest_part = std::numeric_limits<double>::infinity();

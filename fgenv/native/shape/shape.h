@@ -36,7 +36,7 @@ struct Shape {
     int32_t shells = 0;            // parts of the surface connected by edges
 };
 
-Shape build_shape(Mesh mesh, const GraphSettings& settings);
+Shape build_shape(Mesh mesh, const GraphSettings& settings, const BuildMonitor& monitor = {});
 
 size_t memory_bytes(const Shape& shape);
 

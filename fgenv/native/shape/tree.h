@@ -54,6 +54,6 @@ struct Tree {
     std::vector<Leaf> leaves;
 };
 
-Tree build_tree(const Mesh& mesh, const FeatureGraph& graph);
+Tree build_tree(const Mesh& mesh, const FeatureGraph& graph, const BuildMonitor& monitor = {});
 
 }  // namespace fgenv

@@ -14,6 +14,8 @@ namespace {
 
 constexpr int halving_depth = max_depth - 40;  // from here on parts are at most half: 31 levels more
 
+constexpr int32_t report_above = 4096;  // faces; smaller parts take under a millisecond
+
 struct Range {
     int32_t first, count;
     Box upright;
@@ -22,8 +24,8 @@ struct Range {
 
 class TreeBuilder {
 public:
-    TreeBuilder(const Mesh& mesh, const FeatureGraph& graph, Tree& tree)
-        : mesh_(mesh), tree_(tree), items_(mesh.faces.size()), edge_bits_(mesh.faces.size(), 0) {
+    TreeBuilder(const Mesh& mesh, const FeatureGraph& graph, const BuildMonitor& monitor, Tree& tree)
+        : mesh_(mesh), monitor_(monitor), tree_(tree), items_(mesh.faces.size()), edge_bits_(mesh.faces.size(), 0) {
         for (size_t f = 0; f < items_.size(); ++f) items_[f].face = static_cast<int32_t>(f);
         // A kept edge is tested with either of its faces: the first pair of faces that meet decides.
         for (size_t i = 0; i < mesh.edges.size(); ++i) {
@@ -138,7 +140,11 @@ private:
     int32_t add_binary(const Range& range, int depth) {
         const int32_t index = static_cast<int32_t>(binary_.size());
         binary_.push_back({range});
-        if (range.count <= lanes) return index;
+        if (range.count > report_above) report_placed();
+        if (range.count <= lanes) {
+            placed_ += range.count;
+            return index;
+        }
         const auto [a, b] = split(range, depth);
         const int32_t left = add_binary(a, depth + 1), right = add_binary(b, depth + 1);
         Binary& node = binary_[index];
@@ -164,6 +170,11 @@ private:
             node.left_lanes[n - 1] = fewer ? 0 : best_left[n];
         }
         return index;
+    }
+
+    void report_placed() const {
+        const double share = static_cast<double>(placed_) / static_cast<double>(items_.size());
+        report(monitor_, graph_share + (1 - graph_share) * share);
     }
 
     static double area(const OrientedBox& box) {
@@ -218,7 +229,9 @@ private:
     }
 
     const Mesh& mesh_;
+    const BuildMonitor& monitor_;
     Tree& tree_;
+    int64_t placed_ = 0;  // faces in leaves
     std::vector<Item> items_;
     std::vector<Binary> binary_;
     std::vector<uint8_t> edge_bits_;
@@ -227,9 +240,9 @@ private:
 
 }  // namespace
 
-Tree build_tree(const Mesh& mesh, const FeatureGraph& graph) {
+Tree build_tree(const Mesh& mesh, const FeatureGraph& graph, const BuildMonitor& monitor) {
     Tree tree;
-    TreeBuilder(mesh, graph, tree).build();
+    TreeBuilder(mesh, graph, monitor, tree).build();
     return tree;
 }
 
