@@ -14,7 +14,6 @@ of each array, in the order of the file.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,6 +21,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fgenv.npz import LIMIT, Header, open_npz
+from fgenv.saving import atomic
 
 Texts = Mapping[str, str]
 Arrays = Mapping[str, NDArray[Any]]
@@ -38,6 +40,7 @@ class Archive:
         error: raised for invalid files.
         remedy: last part of the error's message.
         dtypes: of arrays by name; default float64.
+        check: called with the texts and the headers of the arrays before an array is inflated.
     """
 
     kind: str
@@ -46,6 +49,7 @@ class Archive:
     error: type[ValueError]
     remedy: str
     dtypes: Mapping[str, str] = field(default_factory=dict)
+    check: Callable[[dict[str, str], dict[str, Header]], object] | None = None
 
     @property
     def format(self) -> str:
@@ -72,13 +76,12 @@ class Archive:
         if path.suffix != ".npz":
             raise ValueError(f"{self.kind}: got {path}, expected a name that ends in .npz")
         head = {"format": self.format, "id": self.id(texts, arrays), **texts}
-        partial = path.with_name(f".{path.name}.part")
-        try:
-            with open(partial, "wb") as file:
-                np.savez_compressed(file, **head, **self._stored(arrays))  # type: ignore[arg-type]
-            os.replace(partial, path)
-        finally:
-            partial.unlink(missing_ok=True)
+        stored = self._stored(arrays)
+        size = sum(a.nbytes for a in stored.values()) + 4 * sum(map(len, head.values()))
+        if size > LIMIT:
+            raise ValueError(f"{self.kind}: got {size:,} bytes, expected at most {LIMIT:,}")
+        with atomic(path) as partial, open(partial, "wb") as file:
+            np.savez_compressed(file, **head, **stored)  # type: ignore[arg-type]
 
     def load(self, path: str | Path, read: Callable[[dict[str, str], dict[str, Any]], T]) -> T:
         """Return the result of `read` for the texts and arrays of a file with a valid hash.
@@ -88,16 +91,18 @@ class Archive:
             FileNotFoundError: no such file.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
-                format, id = str(file["format"]), str(file["id"])
+            with open_npz(path) as file:
+                format, id = file.text("format"), file.text("id")
                 if format.startswith(f"fgenv {self.kind} ") and format != self.format:
                     raise self.error(
-                        f"{path}: got {format!r}, expected {self.format!r}; use the fgenv that"
+                        f"{path}: got {format[:40]!r}, expected {self.format!r}; use the fgenv that"
                         f" wrote it, or {self.remedy}"
                     )
-                texts = {name: str(file[name]) for name in self.texts}
-                rest = [name for name in file.files if name not in ("format", "id", *texts)]
-                arrays = self._stored({name: file[name] for name in rest})
+                texts = {name: file.text(name) for name in self.texts}
+                rest = [name for name in file.headers if name not in ("format", "id", *texts)]
+                if format == self.format and self.check is not None:
+                    self.check(texts, {name: file.headers[name] for name in rest})
+                arrays = self._stored({name: file.read(name) for name in rest})
             if format != self.format or id != self.id(texts, arrays):
                 raise ValueError("id")
             return read(texts, arrays)

@@ -67,6 +67,7 @@ def evaluate(
     seed: int = 0,
     jobs: int = 1,
     clearance: bool = True,
+    trust: bool = False,
     progress: Callable[[Evaluation], object] | None = None,
 ) -> Evaluation:
     """Run policies on all cases.
@@ -78,13 +79,14 @@ def evaluate(
         seed: of random numbers in policies.
         jobs: number of processes; 1: threads on all cores.
         clearance: measure clearances, which takes longer.
+        trust: see `policy_of`.
         progress: called with the evaluation so far, which remains valid after an interruption.
 
     Raises:
         ValueError: a policy is unknown, or does not fit the scenario.
     """
     evaluation = Evaluation(cases, tuple(dict.fromkeys(policies)))
-    for policy, batch in run_batches(evaluation, seed, jobs, clearance):
+    for policy, batch in run_batches(evaluation, seed, jobs, clearance, trust):
         evaluation.add(policy, batch)
         if progress is not None:
             progress(evaluation)
@@ -92,7 +94,7 @@ def evaluate(
 
 
 def run_batches(
-    evaluation: Evaluation, seed: int, jobs: int, clearance: bool = True
+    evaluation: Evaluation, seed: int, jobs: int, clearance: bool = True, trust: bool = False
 ) -> Iterator[tuple[str, Batch]]:
     """Run all batches; yield policies and results in an order independent of the jobs."""
     cases, n = evaluation.cases, len(evaluation.cases)
@@ -100,12 +102,14 @@ def run_batches(
     work = [(policy, part) for part in parts for policy in (UNOBSTRUCTED, *evaluation.policies)]
     if jobs == 1:
         for policy, part in work:
-            yield policy, run_batch(cases, policy, part, seed, None, clearance)
+            yield policy, run_batch(cases, policy, part, seed, None, clearance, trust)
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
         try:
-            futures = [pool.submit(run_batch, cases, *item, seed, 1, clearance) for item in work]
+            futures = [
+                pool.submit(run_batch, cases, *item, seed, 1, clearance, trust) for item in work
+            ]
             for (policy, _), future in zip(work, futures, strict=True):
                 yield policy, future.result()
         except BaseException:
@@ -120,10 +124,11 @@ def run_batch(
     seed: int,
     threads: int | None,
     clearance: bool,
+    trust: bool,
 ) -> Batch:
     """Run a policy, or the unobstructed baseline, on some cases."""
     if policy == UNOBSTRUCTED:
         return list(zip(indices, run_unobstructed(cases, indices, threads=threads), strict=True))
-    new = policy_of(policy, seed)
+    new = policy_of(policy, seed, trust=trust)
     results = run_cases(cases, new, indices, clearance=clearance, threads=threads)
     return [(result.case, result) for result in results]

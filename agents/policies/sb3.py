@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import pickle
 import zipfile
@@ -15,30 +16,43 @@ from fgenv.agents.policies.base import BasePolicy
 from fgenv.agents.policies.residual import ResidualConfig, ResidualController
 from fgenv.arrays import Floats, Floats32
 from fgenv.envs import Observation, View
+from fgenv.trust import check as check_trust
+from fgenv.trust import read as read_pickle
 
 # Algorithms by a key of their saved data; others are A2C.
 ALGORITHMS = {"clip_range": "PPO", "target_entropy": "SAC", "target_policy_noise": "TD3"}
+MAX_DATA = 1 << 26  # bytes of a model's settings
 
 
 class Sb3Policy(BasePolicy):
     """Takes the deterministic action of a model saved by `model.save(FILE)`: PPO, A2C, SAC or TD3.
 
     Needs the extra `agents`. If a file of the same name with the suffix `.pkl` exists, observations
-    are normalized by the `VecNormalize` that `envs.save(...)` wrote there. Both files hold pickles:
-    use only files that you trust. The file with the suffix `.json`, written by `fgenv train`, has
-    the observation, the kind of actions and the `ResidualConfig`; without it the policy accepts the
-    simulator's observation.
+    are normalized by the `VecNormalize` that `envs.save(...)` wrote there. Both files hold pickles,
+    which can run any code: they are loaded if `fgenv train` wrote them on this machine, or with
+    `trust=True` (`--trust` of the commands). The file with the suffix `.json`, written by
+    `fgenv train`, has the observation, the kind of actions and the `ResidualConfig`; without it the
+    policy accepts the simulator's observation.
+
+    Args:
+        path: file of the model.
+        trust: load files of any origin.
 
     Raises:
+        TrustError: the files are not known to be written on this machine.
         ValueError: not a model.
         FileNotFoundError: no such file.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, *, trust: bool = False) -> None:
+        path = Path(path)
+        content = read_pickle(path)
+        algorithm = algorithm_of(path, content)
+        check_trust(path, content, trust)
         import stable_baselines3
 
-        path = Path(path)
-        self._model: Any = getattr(stable_baselines3, algorithm_of(path)).load(path, device="cpu")
+        load = getattr(stable_baselines3, algorithm).load
+        self._model: Any = load(io.BytesIO(content), device="cpu")
         about: dict[str, Any] = {"observation": None, "actions": "drive"}
         settings = path.with_suffix(".json")
         if settings.exists():
@@ -50,8 +64,9 @@ class Sb3Policy(BasePolicy):
         statistics = path.with_suffix(".pkl")
         self._normalize: Any = None
         if statistics.exists():  # a VecNormalize, usable here without its environment
-            read = lambda: pickle.loads(statistics.read_bytes())  # noqa: E731
-            self._normalize = read_sidecar(statistics, read)
+            content = read_pickle(statistics)
+            check_trust(statistics, content, trust)
+            self._normalize = read_sidecar(statistics, lambda: pickle.loads(content))
 
     def reset(self, view: View) -> None:
         """Begin new episodes.
@@ -94,12 +109,14 @@ def read_sidecar(path: Path, read: Callable[[], Any]) -> Any:
         raise ValueError(f"policy: {path} is damaged; remove it, or save it again") from error
 
 
-def algorithm_of(path: Path) -> str:
+def algorithm_of(path: Path, content: bytes) -> str:
     """Return the name of the algorithm of a saved model."""
     try:
-        with zipfile.ZipFile(path) as file:
+        with zipfile.ZipFile(io.BytesIO(content)) as file:
+            if file.getinfo("data").file_size > MAX_DATA:
+                raise ValueError("data")
             keys = json.loads(file.read("data")).keys()
-    except (KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (AttributeError, KeyError, ValueError, zipfile.BadZipFile) as error:
         message = f"policy: got {path}, expected a model that Stable-Baselines3 saved (.zip)"
         raise ValueError(message) from error
     return next((name for key, name in ALGORITHMS.items() if key in keys), "A2C")

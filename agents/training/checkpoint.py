@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 from fgenv.agents.policies.residual import ResidualConfig
 from fgenv.agents.training.validation import EvaluationResult
+from fgenv.saving import save_text
 
 COLUMNS = tuple(column.name for column in fields(EvaluationResult))
 
@@ -52,7 +52,7 @@ class Checkpoint:
         """Remove an older training, which could otherwise be resumed, and begin a new one."""
         for path in (self._state, self.model, self.normalization, self._settings, self.policy):
             path.unlink(missing_ok=True)
-        self._evaluations.write_text(",".join(COLUMNS) + "\n", encoding="utf-8")
+        save_text(self._evaluations, ",".join(COLUMNS) + "\n")
 
     def append(self, result: EvaluationResult) -> None:
         """Append an evaluation to the table."""
@@ -64,16 +64,14 @@ class Checkpoint:
         """Write the settings of the model that `Sb3Policy` reads."""
         names = ("observation", "actions", *(key.name for key in fields(ResidualConfig)))
         settings = {name: about[name] for name in names}
-        self._settings.write_text(json.dumps(settings), encoding="utf-8")
+        save_text(self._settings, json.dumps(settings))
 
     def save_state(
         self, settings: Mapping[str, Any], steps: int, best: EvaluationResult | None
     ) -> None:
         """Write the state of the training, atomically."""
         state = {**settings, "steps": steps, "best": best and asdict(best)}
-        partial = self.folder / ".training.json.part"
-        partial.write_text(json.dumps(state, indent=1, default=list) + "\n", encoding="utf-8")
-        os.replace(partial, self._state)
+        save_text(self._state, json.dumps(state, indent=1, default=list) + "\n")
 
     def load_state(self, settings: Mapping[str, Any]) -> tuple[int, EvaluationResult | None]:
         """Return steps and best evaluation of a training with the same settings.

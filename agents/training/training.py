@@ -11,6 +11,8 @@ Needs the extra `agents`. After each evaluation and at the end, the folder of a 
 
 from __future__ import annotations
 
+import io
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecNormalize
 
+from fgenv import trust
 from fgenv.agents.policies.network import NetworkPolicy
 from fgenv.agents.policies.policy_file import PolicyFile
 from fgenv.agents.training.callback import EvaluationCallback, Progress
@@ -102,7 +105,7 @@ class Training:
             file.save(self.checkpoint.policy)
         self.checkpoint.append(result)
         self._save_model()
-        self.normalization.save(str(self.checkpoint.normalization))
+        self._save_normalization()
         self.checkpoint.save_settings(file.about)
         self.checkpoint.save_state(self.config.settings, self.steps, self.best)
         if progress is not None:
@@ -142,10 +145,10 @@ class Training:
         if self.normalization is None and self.steps == 0:
             self.normalization = VecNormalize(envs, gamma=self.config.recipe.gamma)
             return
-        path = str(self.checkpoint.normalization)
         if self.normalization is not None:
-            self.normalization.save(path)
-        self.normalization = VecNormalize.load(path, envs)
+            self._save_normalization()
+        self.normalization = pickle.loads(_trusted(self.checkpoint.normalization))
+        self.normalization.set_venv(envs)
 
     def _load_model(self, seed: int) -> None:
         """Make a new model, or load the current one for the environments of a new stage."""
@@ -155,16 +158,29 @@ class Training:
             return
         if self.model is not None:
             self._save_model()
-        self.model = PPO.load(self.checkpoint.model, env=self.normalization, device="cpu")
+        model = io.BytesIO(_trusted(self.checkpoint.model))
+        self.model = PPO.load(model, env=self.normalization, device="cpu")
         self.model.batch_size = equal_batch_size(recipe, self.normalization.num_envs)
         set_random_seed(seed)
 
     def _save_model(self) -> None:
         """Save the model without its learning-rate schedule, which is a method of this object."""
-        self.model.save(self.checkpoint.model, exclude=["lr_schedule"])
+        with trust.written(self.checkpoint.model) as partial:
+            self.model.save(partial, exclude=["lr_schedule"])
+
+    def _save_normalization(self) -> None:
+        with trust.written(self.checkpoint.normalization) as partial:
+            self.normalization.save(str(partial))
 
     def learning_rate(self, _: float) -> float:
         """Return the current learning rate; with `anneal` it decreases to 0 over all stages."""
         recipe = self.config.recipe
         remaining = 1.0 - self.steps / self.config.steps if recipe.anneal else 1.0
         return recipe.learning_rate * max(0.0, remaining)
+
+
+def _trusted(path: Path) -> bytes:
+    """Return the content of a pickle that a training on this machine wrote."""
+    content = trust.read(path)
+    trust.check(path, content)
+    return content

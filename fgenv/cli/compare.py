@@ -12,6 +12,7 @@ import typer
 from fgenv.cli.errors import FAILED_CHECK
 from fgenv.cli.options import Json, Seed
 from fgenv.cli.progress import status
+from fgenv.saving import atomic
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -154,7 +155,7 @@ def write_csv(path: Path, results: Sequence[PairResult]) -> None:
     import csv
 
     rows = [{"pair": result.pair, **as_dict(row)} for result in results for row in result.rows]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with atomic(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
@@ -176,4 +177,5 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
     axes.set_ylabel("share, all pairs together")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
+    with atomic(path) as partial:
+        figure.savefig(partial, dpi=150)

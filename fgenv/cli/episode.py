@@ -34,6 +34,7 @@ class EpisodeOptions:
     record: Path | None = None
     movie: Path | None = None
     fps: float | None = None
+    trust: bool = False
 
 
 def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool) -> None:
@@ -50,7 +51,7 @@ def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool)
 
     console = Console(stderr=as_json, highlight=False)
     check_targets(options)
-    policy = policy_of(options.policy, options.seed)
+    policy = policy_of(options.policy, options.seed, trust=options.trust)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         simulator = simulator_of(context, options, policy)

@@ -20,9 +20,12 @@ from fgenv.cli.options import (
     Seed,
     Settings,
     Size,
+    Trust,
+    check_trust,
     file_option,
 )
 from fgenv.cli.scenario_options import is_frozen_set, overrides_from
+from fgenv.saving import save_text
 
 if TYPE_CHECKING:
     from fgenv.agents.evaluation.evaluation import Evaluation
@@ -60,6 +63,7 @@ def evaluate(
     csv: Csv = None,
     plot: Plot = None,
     seed: Seed = 0,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Run policies on the cases of a frozen set, and compare them.
@@ -78,13 +82,14 @@ def evaluate(
     console = Console(stderr=as_json, highlight=False)
     check_targets(csv, plot)
     names = tuple(policy or ["goto"])
+    check_trust(trust, names)
     for name in names:  # raises the error of an unknown policy before the cases are made
         if names.count(name) > 1:
             raise ValueError(f"--policy: got {name!r} twice, expected each policy once")
-        policy_of(name, seed)
+        policy_of(name, seed, trust=trust)
     frozen_set = frozen_set_of(scenario, cases, overrides_from(n, size, set))
     result, began = Evaluation(frozen_set, names), time.perf_counter()
-    interrupted = run(result, seed, jobs)
+    interrupted = run(result, seed, jobs, trust)
     data = {**as_data(result, seed), "wall_seconds": time.perf_counter() - began}
     if not as_json:
         print_report(console, result, data["wall_seconds"])
@@ -104,7 +109,7 @@ def write_files(result: Evaluation, csv: Path | None, plot: Path | None, title: 
     if csv is not None:
         from fgenv.cli.evaluation_report import to_csv
 
-        csv.write_text(to_csv(result), encoding="utf-8")
+        save_text(csv, to_csv(result))
         written.append(str(csv))
     if plot is not None and result.done:
         from fgenv.view.figures.interval_plot import plot_scores
@@ -134,7 +139,7 @@ def frozen_set_of(scenario: str, cases: int | None, overrides: dict[str, Any]) -
         )
 
 
-def run(result: Evaluation, seed: int, jobs: int) -> bool:
+def run(result: Evaluation, seed: int, jobs: int, trust: bool) -> bool:
     """Run the episodes of an evaluation; return whether it was interrupted."""
     from fgenv.agents.evaluation.evaluation import run_batches
     from fgenv.cli.progress import progress
@@ -143,7 +148,7 @@ def run(result: Evaluation, seed: int, jobs: int) -> bool:
         total = len(result.cases) * (len(result.policies) + 1)
         task = bar.add_task(result.cases.template.name, total=total)
         try:
-            for policy, episodes in run_batches(result, seed, jobs):
+            for policy, episodes in run_batches(result, seed, jobs, trust=trust):
                 result.add(policy, episodes)
                 bar.advance(task, len(episodes))
         except KeyboardInterrupt:

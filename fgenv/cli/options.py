@@ -52,6 +52,12 @@ def refuse_options(context: typer.Context, parameters: Iterable[str], reason: st
             raise ValueError(f"--{option}: {reason}")
 
 
+def check_trust(trust: bool, policies: Iterable[str]) -> None:
+    """Raise ValueError if --trust has no effect on these policies."""
+    if trust and not any("sb3:" in policy for policy in policies):
+        raise ValueError("--trust: expected with a policy sb3:FILE; omit --trust")
+
+
 PLOT_SUFFIXES = "(.png, .svg, .pdf)"
 ROBOTS_HELP = "Number of robots."
 SIZE_HELP = "Size of the scenario in meters; see fgenv scenarios NAME."
@@ -82,6 +88,14 @@ POLICY_HELP = (
 PolicyName = Annotated[
     str,
     typer.Option("--policy", help=f"{POLICY_HELP}.", autocompletion=policy_names),
+]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust",
+        help="Load the pickles of sb3:FILE, which can run any code, also if fgenv did not write"
+        " them on this machine.",
+    ),
 ]
 Seed = Annotated[
     int,

@@ -11,6 +11,7 @@ import typer
 from fgenv.cli.completion import cameras
 from fgenv.cli.files import check_target, echo_written
 from fgenv.cli.options import FPS_HELP, Recorded, choice_option, file_option, refuse_options
+from fgenv.saving import atomic
 
 if TYPE_CHECKING:
     from fgenv.envs import Record
@@ -128,7 +129,8 @@ def write_picture(
         raise ValueError(f"--at: got {at:g} s, expected up to {end:g} s, the length of the record")
     step = len(episode) if at is None else min(len(episode), round(at / episode.dt))
     (frame,) = frames_of(episode, [step], *size, **look)
-    Image.fromarray(frame).save(path, optimize=True)
+    with atomic(path) as partial:
+        Image.fromarray(frame).save(partial, optimize=True)
 
 
 def check_files(gif: Path | None, mp4: Path | None, png: Path | None) -> None:

@@ -17,6 +17,8 @@ from fgenv.cli.options import (
     Json,
     ScenarioName,
     Seed,
+    Trust,
+    check_trust,
     file_option,
     refuse_options,
 )
@@ -24,7 +26,7 @@ from fgenv.cli.scenario_options import overrides_from
 
 PUBLISHED = "three_tanks"  # without --policy
 EXPERIMENT_OPTIONS = ("mesh", "scale", "step", "out", "pictures")
-EPISODE_OPTIONS = ("n", "size", "set", "steps", "record", "movie", "fps")
+EPISODE_OPTIONS = ("n", "size", "set", "steps", "record", "movie", "fps", "trust")
 EPISODE = {"rich_help_panel": "An episode"}
 EXPERIMENT = {"rich_help_panel": "The published experiment"}
 
@@ -109,6 +111,7 @@ def run(
     out: Folder = Path("out/three_tanks"),
     pictures: Pictures = True,
     seed: Seed = 0,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Run an episode of a scenario and report the result of each robot.
@@ -140,5 +143,7 @@ def run(
     from fgenv.cli.episode import EpisodeOptions, run_scenario
 
     overrides = overrides_from(n, size, set)
-    options = EpisodeOptions(scenario, policy or "goto", overrides, seed, steps, record, movie, fps)
+    files = (record, movie, fps, trust)
+    options = EpisodeOptions(scenario, policy or "goto", overrides, seed, steps, *files)
+    check_trust(trust, [options.policy])
     run_scenario(context, options, as_json)

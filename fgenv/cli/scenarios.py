@@ -12,6 +12,7 @@ import typer
 from fgenv.cli.files import check_target, echo_written
 from fgenv.cli.options import Json, Robots, Seed, Settings, Size, file_option, refuse_options
 from fgenv.cli.scenario_options import is_file, overrides_from
+from fgenv.saving import atomic
 
 if TYPE_CHECKING:
     from fgenv.scenarios import Scenario
@@ -73,7 +74,8 @@ def scenarios(
     if picture is not None:
         from fgenv.view.figures.scenario_picture import draw_scenario
 
-        draw_scenario(scenario).save(picture, optimize=True)
+        with atomic(picture) as partial:
+            draw_scenario(scenario).save(partial, optimize=True)
     written = [str(path) for path in (save, picture) if path is not None]
     print_scenario(name, scenario, written, as_json)
 

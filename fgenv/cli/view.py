@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fgenv.cli.options import OpenBrowser, PolicyName, Robots, ScenarioName, Seed, Settings, Size
+from fgenv.cli.options import (
+    OpenBrowser,
+    PolicyName,
+    Robots,
+    ScenarioName,
+    Seed,
+    Settings,
+    Size,
+    Trust,
+    check_trust,
+)
 from fgenv.cli.scenario_options import overrides_from
 
 if TYPE_CHECKING:
@@ -18,6 +28,15 @@ END = 3.0  # seconds that the end of an episode is shown
 Port = Annotated[
     int,
     typer.Option("--port", min=0, max=65535, help="Port of the page; 0: any free port."),
+]
+Host = Annotated[
+    str | None,
+    typer.Option(
+        "--host",
+        help="Address of a network interface that other machines reach, such as 0.0.0.0; the page"
+        " then needs the token of the printed address.",
+        show_default="this machine alone",
+    ),
 ]
 Episodes = Annotated[
     int | None,
@@ -33,14 +52,16 @@ def view(
     size: Size = None,
     set: Settings = None,
     port: Port = 8080,
+    host: Host = None,
     open_it: OpenBrowser = False,
     episodes: Episodes = None,
     seed: Seed = 0,
+    trust: Trust = False,
 ) -> None:
     """Watch episodes of a scenario live in the browser.
 
-    Only this machine can open the page, at exactly the requested port. Its
-    panel pauses, steps, sets the speed, follows a robot, and shows feature
+    Only this machine can open the page, at exactly the requested port, unless
+    --host is given. Its panel pauses, steps, sets the speed, follows a robot, and shows feature
     points and graphs, motion boxes (of each robot's next second) and the masks
     that they set, lidar rays, clearances, contacts. Bodies in a robot's mask
     are light blue and linked to it by a line; Whose selects one robot to show
@@ -50,11 +71,12 @@ def view(
     from fgenv.envs import policy_of
     from fgenv.view.web.live import Live
 
-    acting = policy_of(policy, seed)
+    check_trust(trust, [policy])
+    acting = policy_of(policy, seed, trust=trust)
     require_plan(acting)
     options = EpisodeOptions(scenario, policy, overrides_from(n, size, set), seed)
     simulator = simulator_of(context, options, acting)
-    live = Live(simulator, port)
+    live = Live(simulator, port, host=host)
     typer.echo(f"{simulator.scenario.name}: live at {live.url} (Ctrl-C ends it)")
     if open_it:
         open_page(live.url)

@@ -24,6 +24,7 @@ import numpy as np
 from fgenv.arrays import Floats, Floats32
 from fgenv.registry import POLICIES, load
 from fgenv.scenarios.errors import near
+from fgenv.trust import trusting
 
 if TYPE_CHECKING:
     from .simulator import Simulator
@@ -75,7 +76,9 @@ def register_policy(name: str, factory: PolicyFactory | str) -> None:
     POLICIES[name] = factory
 
 
-def policy_of(policy: str | Policy | Callable[[Floats32], Any], seed: int = 0) -> Policy:
+def policy_of(
+    policy: str | Policy | Callable[[Floats32], Any], seed: int = 0, *, trust: bool = False
+) -> Policy:
     """Return a policy by name, or make one of a function of observations.
 
     Args:
@@ -86,14 +89,17 @@ def policy_of(policy: str | Policy | Callable[[Floats32], Any], seed: int = 0) -
             Python file: a class (its argument `seed`, if it has one, is the seed), an object, or a
             function of observations; or a registered name. A policy is returned as it is.
         seed: of random numbers in the policy, 0 or more.
+        trust: load the pickles of `sb3:FILE` also if this machine did not write them.
 
     Raises:
+        TrustError: `sb3:FILE` was not written on this machine.
         ValueError: unknown policy, method or planner, seed below 0, or invalid file.
         TypeError: not a policy.
         PlanError, FileNotFoundError: invalid or missing file.
     """
     if isinstance(policy, str):
-        return _make(policy, seed)
+        with trusting(trust):
+            return _make(policy, seed)
     if isinstance(policy, Policy):
         return policy
     if callable(policy):

@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.archive import Archive
+from fgenv.npz import Header
 from fgenv.scenarios import Scenario
 from fgenv.scenarios.frozen_set import text_of
 from fgenv.scenarios.yaml_io import moved
@@ -50,6 +51,7 @@ ARRAYS = {
     "clearances": "<f8",
 }
 INITIAL = ("configurations", "status")  # arrays with a row before the first step
+MAX_ACTIONS = 4  # numbers of an action per coordinate of the robot with the most
 VECTORS = ("configurations", "actions", "hit_points")  # arrays with a row per robot
 Arrays = dict[str, NDArray[Any]]
 
@@ -58,8 +60,33 @@ class RecordError(ValueError):
     """An invalid record, with the reason and the remedy."""
 
 
+def check_headers(texts: dict[str, str], headers: dict[str, Header]) -> None:
+    """Raise RecordError if the sizes of a file's arrays are not those of its scenario's episode."""
+    scenario = Scenario.model_validate(json.loads(texts["scenario"]))
+    n, widest = len(scenario.robots), max(len(robot.start) for robot in scenario.robots)
+    if headers.keys() != ARRAYS.keys():
+        raise RecordError(f"record: got arrays {', '.join(headers)[:80]}, expected {list(ARRAYS)}")
+    steps = headers["actions"].shape[:1]
+    widths = {"configurations": widest, "actions": MAX_ACTIONS * widest, "hit_points": 3}
+    for name, header in headers.items():
+        rows = steps[0] + (name in INITIAL) if steps else 0
+        width = header.shape[2:]
+        valid = header.shape[:2] == (rows, n) and len(width) == (name in VECTORS)
+        if not valid or header.dtype.str != ARRAYS[name] or any(w > widths[name] for w in width):
+            raise RecordError(
+                f"record: {name}: got {header.dtype} {header.shape}, expected {ARRAYS[name]} of"
+                f" {rows} steps and {n} robots"
+            )
+
+
 RECORD = Archive(
-    "record", 1, ("scenario", "about"), RecordError, "record the run again", dtypes=ARRAYS
+    "record",
+    1,
+    ("scenario", "about"),
+    RecordError,
+    "record the run again",
+    dtypes=ARRAYS,
+    check=check_headers,
 )
 
 

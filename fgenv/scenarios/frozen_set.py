@@ -21,6 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.arrays import Ints32
+from fgenv.npz import open_npz
+from fgenv.saving import atomic
 
 from .errors import Problem, ScenarioError
 from .scenario import Scenario
@@ -90,8 +92,8 @@ class FrozenSet:
         return found.hexdigest()
 
     def save(self, path: str | Path) -> None:
-        """Write a compressed .npz file."""
-        with open(path, "wb") as file:
+        """Write a compressed .npz file; an existing file is replaced atomically."""
+        with atomic(path) as partial, open(partial, "wb") as file:
             head = {"format": FORMAT, "id": self.id, "template": text_of(self.template)}
             np.savez_compressed(file, **head, **self.arrays)  # type: ignore[arg-type]
 
@@ -182,13 +184,13 @@ def opened(path: Path) -> FrozenSet:
     """Read and verify a file."""
     damaged = ScenarioError(path, [Problem("is damaged, or no frozen set", "get or make it again")])
     try:
-        with np.load(path, allow_pickle=False) as file:
-            if str(file["format"]) != FORMAT:
+        with open_npz(path) as file:
+            if file.text("format") != FORMAT:
                 raise damaged
-            template = Scenario.model_validate(json.loads(str(file["template"])))
-            arrays = [file[name] for name in ("seeds", "starts", "goals", "bodies")]
-            found, said = FrozenSet(template, *arrays), str(file["id"])
-    except FileNotFoundError:
+            template = Scenario.model_validate(json.loads(file.text("template")))
+            arrays = [file.read(name) for name in ("seeds", "starts", "goals", "bodies")]
+            found, said = FrozenSet(template, *arrays), file.text("id")
+    except (FileNotFoundError, IsADirectoryError, PermissionError):
         raise
     except Exception as error:  # zip, zlib, NumPy and JSON each have their own
         raise damaged from error

@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 import yaml
 
+from fgenv.saving import save_text
+
 from .errors import Problem, ScenarioError, cut
 from .schema import ScenarioSpec
 from .shapes.bodies import MeshFile
@@ -153,7 +155,7 @@ def repeated(root: yaml.Node | None) -> list[Problem]:
 
 def write(scenario: ScenarioSpec, path: Path) -> None:
     """See `Scenario.save`."""
-    path.write_text(dump(moved(scenario, path.parent)), encoding="utf-8")
+    save_text(path, dump(moved(scenario, path.parent)))
 
 
 def moved(scenario: AnyScenario, folder: Path) -> AnyScenario:

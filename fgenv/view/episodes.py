@@ -9,6 +9,7 @@ import numpy as np
 from fgenv.envs import Record
 from fgenv.envs.record import ARRAYS, INITIAL, Arrays
 from fgenv.envs.state_readers import MOVING, PARKED
+from fgenv.npz import open_npz
 from fgenv.planners import Plan
 
 
@@ -27,8 +28,8 @@ def load_episode(path: str | Path) -> Record:
 def format_of(path: Path) -> str:
     """Return the format that a file declares, or an empty string."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            return str(file["format"])
+        with open_npz(path) as file:
+            return file.text("format")
     except (FileNotFoundError, IsADirectoryError, PermissionError):
         raise
     except Exception:  # errors of zip, zlib and NumPy; the loader reports them

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fgenv.saving import atomic
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -40,4 +42,6 @@ def legend_beside(axes: Axes) -> None:
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure to a file, with the same bytes at any time."""
-    figure.savefig(path, dpi=150, metadata={} if path.suffix == ".png" else {"Date": None})
+    metadata = {} if path.suffix == ".png" else {"Date": None}
+    with atomic(path) as partial:
+        figure.savefig(partial, dpi=150, metadata=metadata)

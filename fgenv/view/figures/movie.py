@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from fgenv.saving import atomic
 from fgenv.view.figures.palette import TEAM
 from fgenv.view.figures.quantize import Palette
 
@@ -52,12 +52,8 @@ def write_movie(path: str | Path, frames: Iterable[Frame], fps: float = 10.0) ->
     path, count = Path(path), itertools.count()
     seconds = frame_seconds(path, fps)
     checked = checked_frames(frames, count, even=path.suffix == ".mp4")
-    partial = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
+    with atomic(path) as partial:
         (write_gif if path.suffix == ".gif" else write_mp4)(partial, checked, seconds)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
     return next(count)
 
 

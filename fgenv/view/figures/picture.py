@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from fgenv.arrays import Flags, Floats
+from fgenv.saving import atomic
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.painter import FADE, LIGHT, Painter
 from fgenv.view.figures.palette import INK, WHITE, Color, rgba
@@ -115,7 +116,8 @@ class Picture:
 
     def save(self, path: str | Path) -> None:
         """Write the picture with its overlays; the suffix of the name sets the format."""
-        self.image().save(path)
+        with atomic(path) as partial:
+            self.image().save(partial)
 
     @property
     def _size(self) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import secrets
+import socket
 import time
 from typing import TYPE_CHECKING
 
@@ -15,7 +17,7 @@ from fgenv.view.robot_poses import base_position
 from .overlays import Overlays
 from .panel import Panel
 from .scene import ScenarioScene
-from .server import PORT, serve, stop
+from .server import HOST, PORT, serve, stop
 
 if TYPE_CHECKING:
     import viser
@@ -38,6 +40,8 @@ class Live:
     Args:
         corners: (n, 3), meters, of more that the camera has to see.
         port: 0: any free port.
+        host: address of a network interface, such as 0.0.0.0, which other machines can reach; `url`
+            then has a token that browsers need. None: this machine alone.
 
     Raises:
         ValueError: an invalid port, or one in use.
@@ -45,10 +49,17 @@ class Live:
     """
 
     def __init__(
-        self, simulator: Simulator, port: int = PORT, corners: Floats | None = None
+        self,
+        simulator: Simulator,
+        port: int = PORT,
+        corners: Floats | None = None,
+        *,
+        host: str | None = None,
     ) -> None:
         self.simulator = simulator
-        self.server: viser.ViserServer = serve(port, f"fgenv: {simulator.scenario.name}")
+        self._token = "" if host is None else secrets.token_urlsafe(16)
+        label = f"fgenv: {simulator.scenario.name}"
+        self.server: viser.ViserServer = serve(port, label, host or HOST, self._token)
         self.scene = ScenarioScene(self.server.scene, simulator.built, corners)
         self.overlays = Overlays(self.server.scene, self.scene, simulator)
         self.panel = Panel(self.server, simulator.names, self.overlays, self.scene)
@@ -62,7 +73,12 @@ class Live:
     @property
     def url(self) -> str:
         """Address of the page."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+        host = self.server.get_host()
+        if host in ("0.0.0.0", "::"):  # all interfaces
+            host = socket.gethostname()
+        name = f"[{host}]" if ":" in host else host
+        query = f"/?token={self._token}" if self._token else ""
+        return f"http://{name}:{self.server.get_port()}{query}"
 
     def begin(self, world: int = 0) -> None:
         """Show the beginning of an episode."""

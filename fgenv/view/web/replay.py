@@ -6,10 +6,10 @@ time line, steps by keys, and the names of bodies in contact.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
+from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,11 +22,13 @@ from fgenv.collision import Shape
 from fgenv.envs import Record
 from fgenv.envs.contact_events import ContactEvent, contact_events
 from fgenv.envs.state_readers import GONE
+from fgenv.saving import save_bytes
 from fgenv.scenarios import Built
 from fgenv.view.figures.palette import BLACK, robot_color
 from fgenv.view.robot_poses import base_paths
 
 from .meshes import rgb
+from .page_security import script_json, with_policy
 from .scene import BatchedMesh, ScenarioScene
 from .server import serving
 
@@ -52,13 +54,8 @@ def write_replay(path: str | Path, record: Record, progress: Progress | None = N
         ImportError: viser is missing, with the remedy.
         OSError: the file cannot be written.
     """
-    path, page = Path(path), replay_page(record, progress).encode()
-    partial = path.with_name(f".{path.name}.part")
-    try:
-        partial.write_bytes(page)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    page = replay_page(record, progress).encode()
+    save_bytes(path, page)
     return len(page)
 
 
@@ -168,9 +165,8 @@ def with_marks(html: str, record: Record, events: list[ContactEvent], times: lis
             for e, t in zip(events, shown, strict=True)
         ],
     }
-    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     script = files(__package__).joinpath("page.js").read_text(encoding="utf-8")
-    added = f"<script>window.FGENV={text};\n{script}</script>"
+    added = f"<script>window.FGENV={script_json(data)};\n{script}</script>"
     head, end, rest = html.rpartition("</body>")
-    title = f"<title>{name} - fgenv</title>".replace("&", "&amp;")
-    return head.replace("<title>Viser</title>", title, 1) + added + end + rest
+    title = f"<title>{escape(name)} - fgenv</title>"
+    return with_policy(head.replace("<title>Viser</title>", title, 1) + added + end + rest)

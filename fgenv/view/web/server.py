@@ -1,4 +1,4 @@
-"""A viser server for this machine alone, on exactly the requested port."""
+"""A viser server on exactly the requested port, for this machine alone unless it has a token."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from .access import Access, restricted
 
 if TYPE_CHECKING:
     import viser
@@ -25,11 +27,15 @@ def viser_module() -> Any:
     return viser
 
 
-def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.ViserServer:
+def serve(
+    port: int = PORT, label: str = "fgenv", host: str = HOST, token: str = ""
+) -> viser.ViserServer:
     """Start a server in threads of its own.
 
     Args:
         port: 0: any free port, which `get_port` returns.
+        host: address of the network interface.
+        token: required of browsers; empty: only names of this machine are accepted.
 
     Raises:
         ValueError: an invalid port, or one in use.
@@ -38,7 +44,7 @@ def serve(port: int = PORT, label: str = "fgenv", host: str = HOST) -> viser.Vis
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port < 65536:
         raise ValueError(f"port: got {port!r}, expected 0 to 65535")
     module = viser_module()
-    with quiet():
+    with quiet(), restricted(Access(token)):
         server: viser.ViserServer = module.ViserServer(host, port, label, verbose=False)
         if port not in (0, server.get_port()):  # viser uses the next free port
             server.stop()
