@@ -56,7 +56,7 @@ def write(folder: Path, name: str, content: str | bytes) -> Path:
     return path
 
 
-# What is not a mesh
+# Content of another kind
 
 LFS = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 123\n"
 CONTENTS: dict[str, tuple[str | bytes, str]] = {

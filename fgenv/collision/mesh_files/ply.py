@@ -7,8 +7,10 @@ import numpy as np
 from fgenv.arrays import Faces, Ints, Vertices
 
 from .content import FileMesh, MeshSource
-from .ply_body import Columns, read_body
+from .ply_binary import BinaryBody
+from .ply_body import Columns
 from .ply_header import Element, read_header
+from .ply_text import TextBody
 from .polygons import Triangulation, crossing_note, strip_faces, triangulated
 
 CORNERS = ("vertex_indices", "vertex_index")
@@ -22,7 +24,8 @@ def read_ply(source: MeshSource) -> FileMesh:
     if vertex is None:
         source.fail("no element vertex in the header", "one with x, y and z")
     _check_coordinates(source, vertex)
-    columns = read_body(source, header)
+    body = TextBody if header.kind == "ASCII" else BinaryBody
+    columns = body(source, header).read()
     vertices = np.column_stack([columns["vertex", name].values for name in "xyz"])
     vertices = vertices.astype(np.float64, copy=False)
     parts = []
