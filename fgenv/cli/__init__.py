@@ -14,6 +14,7 @@ from fgenv.cli import (
     bench,
     compare,
     eval,
+    export,
     mesh,
     plan,
     plot,
@@ -47,6 +48,7 @@ EPILOG = """
   fgenv scenarios                         the built-in scenarios
   fgenv scenarios swap --n 8 --save s.yaml --picture s.png
   fgenv validate s.yaml                   all errors of a scenario file
+  fgenv export warehouse --to glb         a scenario for other programs
   fgenv mesh link.dae --picture link.png  what a mesh file specifies
   fgenv compare                           accuracy and speed of each method
   fgenv bench pairs                       compare with other collision libraries
@@ -108,6 +110,7 @@ app.command()(plot.plot)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(mesh.mesh)
+app.command()(export.export)
 app.command()(compare.compare)
 app.add_typer(bench.app)
 

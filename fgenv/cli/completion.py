@@ -57,3 +57,8 @@ def methods_of_shapes() -> Iterable[str]:
     from fgenv.collision.feature_graph import METHODS
 
     return METHODS
+
+
+def export_formats() -> Iterable[str]:
+    """Return the formats of `fgenv export`."""
+    return ("glb", "obj", "stl", "urdf", "yaml")
