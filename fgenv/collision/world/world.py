@@ -66,9 +66,16 @@ class World(MotionMethods, QueryMethods, MaskMethods):
         return state | {"models": {i: m for i, m in self._models.items() if i in there}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self._core = _core.World(state["masks"])
-        self._models = state["models"]
-        self._core.restore(state, {i: model._core for i, model in self._models.items()})
+        try:
+            core = _core.World(state["masks"])
+            models = dict(state["models"])
+            core.restore(state, {i: model._core for i, model in models.items()})
+        except Exception as error:  # of any kind: a damaged state has any content
+            reason = str(error) if isinstance(error, ValueError) else type(error).__name__
+            raise ValueError(
+                f"World: got a damaged state ({reason}), expected one of copy or pickle"
+            ) from error
+        self._core, self._models = core, models
 
     def __repr__(self) -> str:
         return f"World({len(self)} bodies)"

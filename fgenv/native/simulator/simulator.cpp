@@ -1,6 +1,7 @@
 #include "simulator/simulator.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "math/constants.h"
 
@@ -18,12 +19,34 @@ std::vector<RobotSpec> found_in(const World& world, std::vector<RobotSpec> specs
     return specs;
 }
 
+constexpr double max_coordinate = 1e9;  // m or rad, as of vertices
+
+bool finite(const std::vector<double>& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+bool bounded(const std::vector<double>& coordinates) {
+    return std::all_of(coordinates.begin(), coordinates.end(), [](double x) { return std::fabs(x) <= max_coordinate; });
+}
+
+// Whether the sizes of a robot's state are those of its specification.
 bool fits(const RobotState& robot, const RobotSpec& spec) {
     const size_t nq = spec.robot->nq();
     bool ok = robot.q.size() == nq && robot.goal.size() == nq && robot.status <= Status::gone && !robot.path.empty() &&
               robot.action.size() == static_cast<size_t>(spec.drive.n_actions());
-    for (const std::vector<double>& q : robot.path) ok &= q.size() == nq;
-    return ok;
+    for (const std::vector<double>& q : robot.path) ok &= q.size() == nq && bounded(q);
+    return ok && bounded(robot.q) && bounded(robot.goal) && bounded(robot.action);
+}
+
+// Whether the results of the last step are in their ranges.
+bool in_range(const RobotState& robot, const World& world) {
+    const auto is_body = [&](BodyId id) { return id == -1 || (id >= 0 && id < world.end_id() && world.find(id)); };
+    const Vec3 p = robot.hit_point;
+    return is_body(robot.hit) && is_body(robot.hit_part) && (robot.hit < 0) == (robot.hit_part < 0) &&
+           finite({robot.remaining, robot.hit_time, p.x, p.y, p.z, robot.reward, robot.traveled}) &&
+           robot.hit_time >= 0 && robot.traveled >= 0 && !std::isnan(robot.clearance) &&
+           !std::isnan(robot.least_clearance) && robot.checks >= 0 && robot.masked >= 0 && robot.collisions >= 0 &&
+           robot.arrived >= -1;
 }
 
 }  // namespace
@@ -90,13 +113,14 @@ void Simulator::save(int32_t e, Writer& out) { episodes_[e]->visit(out); }
 void Simulator::load(int32_t e, Reader& in) {
     Episode& episode = *episodes_[e];
     episode.visit(in);
-    if (episode.case_number < 0 || episode.case_number >= static_cast<int64_t>(specs_[0].starts.size()))
+    if (episode.steps < 0 || episode.number < 0 || episode.case_number < 0 ||
+        episode.case_number >= static_cast<int64_t>(specs_[0].starts.size()))
         damaged_state();
     if (!bodies_.ids.empty()) episode.world.set_poses(bodies_.ids, bodies_.poses[episode.case_number]);
     for (int32_t i = 0; i < n_robots(); ++i) {
         const RobotSpec& spec = specs_[i];
         const RobotState& robot = episode.robots[i];
-        if (!fits(robot, spec)) damaged_state();
+        if (!fits(robot, spec) || !in_range(robot, episode.world)) damaged_state();
         episode.world.clear_path(spec.id);
         episode.world.set_configuration(spec.id, robot.q);
         episode.world.set_present(spec.id, robot.status != Status::gone);
