@@ -238,7 +238,7 @@ def test_damaged_files_beside_a_model_raise(folder: Path, tmp_path: Path, suffix
     for junk in (b"junk", b"", b"[1]"):
         (tmp_path / f"model{suffix}").write_bytes(junk)
         with pytest.raises(ValueError, match=f"model{suffix} is damaged; remove it"):
-            Sb3Policy(tmp_path / "model.zip")
+            Sb3Policy(tmp_path / "model.zip", trust=True)
 
 
 def test_other_robots_raise(folder: Path) -> None:
