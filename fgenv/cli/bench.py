@@ -5,6 +5,7 @@ import typer
 from fgenv.cli import (
     bench_env,
     bench_fleets,
+    bench_limits,
     bench_pairs,
     bench_planners,
     bench_policies,
@@ -26,3 +27,4 @@ app.command()(bench_fleets.fleets)
 app.command()(bench_train.train)
 app.command()(bench_policies.policies)
 app.command()(bench_pairs.pairs)
+app.command()(bench_limits.limits)

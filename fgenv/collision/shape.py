@@ -167,6 +167,10 @@ class Shape(_core.Shape):
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """First hits of rays on the surface, from either side.
 
+        Faces are closed and decided exactly: a ray that touches only a vertex or an edge hits it,
+        and no ray passes between neighboring faces. A ray that starts on a face has distance 0.
+        A face whose plane holds the ray is not hit itself, but its neighbors are, at their edges.
+
         Args:
             origins, directions: (..., 3), world frame; directions have any length above 0.
             T: pose of the shape (..., 4, 4); default: identity.

@@ -81,7 +81,11 @@ class QueryMethods(BodyMethods):
         ignore: Body | Sequence[Body] | None = None,
         threads: int | None = None,
     ) -> RayHits:
-        """First hits of rays, (..., 3) each, on all bodies except those in `ignore`."""
+        """First hits of rays, (..., 3) each, on all bodies except those in `ignore`.
+
+        Grazing rays, and rays that start on a face, follow the rules of `Shape.raycast`, as do
+        lidars: exactly for the ray as placed in the frame of each body.
+        """
         found = self._core.raycast(
             origins, directions, max_distance, ignore=ignore, threads=threads
         )

@@ -50,6 +50,18 @@ static inline Vec3 direction_of(const double* v) {
     return unit({v[0] / most, v[1] / most, v[2] / most});
 }
 
+// A direction of a ray: scaled by a power of two, hence without rounding; and its length.
+struct RayDirection {
+    Vec3 d;
+    double length;
+};
+static inline RayDirection ray_direction_of(const double* v) {
+    const double most = greater(greater(std::fabs(v[0]), std::fabs(v[1])), std::fabs(v[2]));
+    const int exponent = -std::ilogb(most);
+    const Vec3 d{std::ldexp(v[0], exponent), std::ldexp(v[1], exponent), std::ldexp(v[2], exponent)};
+    return {d, norm(d)};
+}
+
 static inline Dims rows_of(const Array<double>& points) { return {points.dims.begin(), points.dims.end() - 1}; }
 
 static inline Array<double> directions_of(nb::handle value, const char* name) {

@@ -101,9 +101,9 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, nb
     parallel_for(shape.size, n, [&](int64_t first, int64_t last) {
         for (int64_t i = first; i < last; ++i) {
             const double* p = o.data() + 3 * shape.offset(0, i);
-            const WorldHit hit =
-                w.raycast({p[0], p[1], p[2]}, direction_of(d.data() + 3 * shape.offset(1, i)), max_distance, skip);
-            distance.data[i] = hit.distance;
+            const auto [direction, length] = ray_direction_of(d.data() + 3 * shape.offset(1, i));
+            const WorldHit hit = w.raycast({p[0], p[1], p[2]}, direction, max_distance / length, skip);
+            distance.data[i] = hit.body < 0 ? hit.distance : lesser(hit.distance * length, max_distance);
             body.data[i] = hit.body;
         }
     });

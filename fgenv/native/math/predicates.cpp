@@ -85,10 +85,9 @@ int orient2d_exact(const double a[2], const double b[2], const double c[2]) {
     return sign(det);
 }
 
-int orient3d_exact(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
-    const Expansion<2> x[3] = {difference(a.x, d.x), difference(b.x, d.x), difference(c.x, d.x)};
-    const Expansion<2> y[3] = {difference(a.y, d.y), difference(b.y, d.y), difference(c.y, d.y)};
-    const Expansion<2> z[3] = {difference(a.z, d.z), difference(b.z, d.z), difference(c.z, d.z)};
+namespace {
+
+int sign_of_determinant(const Expansion<2> (&x)[3], const Expansion<2> (&y)[3], const Expansion<2> (&z)[3]) {
     Expansion<192> det;
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -98,6 +97,22 @@ int orient3d_exact(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
         accumulate(det, minor, z[i], 1);
     }
     return sign(det);
+}
+
+}  // namespace
+
+int orient3d_exact(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    const Expansion<2> x[3] = {difference(a.x, d.x), difference(b.x, d.x), difference(c.x, d.x)};
+    const Expansion<2> y[3] = {difference(a.y, d.y), difference(b.y, d.y), difference(c.y, d.y)};
+    const Expansion<2> z[3] = {difference(a.z, d.z), difference(b.z, d.z), difference(c.z, d.z)};
+    return sign_of_determinant(x, y, z);
+}
+
+int orient_line_exact(Vec3 direction, Vec3 a, Vec3 b, Vec3 o) {
+    const Expansion<2> x[3] = {difference(direction.x, 0), difference(a.x, o.x), difference(b.x, o.x)};
+    const Expansion<2> y[3] = {difference(direction.y, 0), difference(a.y, o.y), difference(b.y, o.y)};
+    const Expansion<2> z[3] = {difference(direction.z, 0), difference(a.z, o.z), difference(b.z, o.z)};
+    return sign_of_determinant(x, y, z);
 }
 
 bool collinear(Vec3 a, Vec3 b, Vec3 c) {

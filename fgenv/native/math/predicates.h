@@ -11,6 +11,8 @@ namespace fgenv {
 // Exact signs, no filter.
 int orient2d_exact(const double a[2], const double b[2], const double c[2]);
 int orient3d_exact(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
+// On which side of the line from o along `direction` the segment ab passes: the sign of det(direction, a - o, b - o).
+int orient_line_exact(Vec3 direction, Vec3 a, Vec3 b, Vec3 o);
 
 // > 0 if a, b, c turn counter-clockwise.
 static inline int orient2d(const double a[2], const double b[2], const double c[2]) {

@@ -64,9 +64,10 @@ static inline Vec3 nearest_of_simplex(Simplex& s) {
 }
 
 // Vector from the first hull to the second; (0, 0, 0) if they overlap. `corner(n)` is the
-// corner of the differences, second less first, that is farthest against n. A good guess saves steps.
+// corner of the differences, second less first, that is farthest against n. A good guess saves steps. `precision` is
+// relative, of the squared distance.
 template <class Corner>
-static inline Vec3 direction_apart(const Corner& corner, Vec3 guess) {
+static inline Vec3 direction_apart(const Corner& corner, Vec3 guess, double precision = 1e-6) {
     constexpr int max_steps = 24;
     Simplex s;
     s.p[s.n++] = corner(guess);
@@ -74,7 +75,7 @@ static inline Vec3 direction_apart(const Corner& corner, Vec3 guess) {
     for (int i = 0; i < max_steps; ++i) {
         const double squared = dot(v, v);
         const Vec3 w = corner(v);
-        if (!(squared - dot(v, w) > 1e-6 * squared)) break;  // none is much nearer
+        if (!(squared - dot(v, w) > precision * squared)) break;  // none is much nearer
         s.p[s.n++] = w;
         v = nearest_of_simplex(s);
         if (s.n == 4 || dot(v, v) == 0) return {0, 0, 0};

@@ -2,6 +2,7 @@
 #include "query/descent.h"
 #include "query/distance_bounds.h"
 #include "query/face_distance.h"
+#include "query/tree_heights.h"
 
 namespace fgenv::FGENV_ISA {
 namespace {
@@ -25,10 +26,12 @@ struct Search {
     // it cannot be nearer.
     float towards_b[3] = {0, 0, 0};
     float towards_a[3] = {0, 0, 0};  // the opposite in b's frame
+    Vec3 way{0, 0, 0};               // as towards_b, in double
 };
 
 void set_direction(Search& q, Vec3 way) {
     const Vec3 n = unit(way);
+    q.way = n;
     q.towards_b[0] = static_cast<float>(n.x);
     q.towards_b[1] = static_cast<float>(n.y);
     q.towards_b[2] = static_cast<float>(n.z);
@@ -147,10 +150,16 @@ struct DistanceSearch {
 
     Search& q;
     Viewpoint from_a{q.frames.b_in_a, q.towards_b}, from_b{q.frames.a_in_b, q.towards_a};
+    // Float bounds do not separate faces that nearly coincide: after more leaves than other shapes need, heights along
+    // the shortest segment do. They are measured again each time that the number of leaves doubles.
+    TreeHeights* heights = nullptr;
+    size_t opened = 0, next = 64 + 8 * (q.a.tree.leaves.size() + q.b.tree.leaves.size());
 
     Pair pair(Ref a, Ref b, const Children& children, int lane) const { return {a, b, children.bound[lane]}; }
     bool stop() const { return !(q.best > 0) || (q.any && q.face_a >= 0); }
-    bool prune(const Pair& pair) const { return pair.bound > q.best; }
+    bool prune(const Pair& pair) const {
+        return pair.bound > q.best || (heights && apart(*heights, pair.a, pair.b, q.best));
+    }
     bool prune(const OrientedBox&, const OrientedBox&) const { return false; }
     Children open(const Oriented& node, const OrientedBox& box, const Viewpoint& view) const {
         Children out;
@@ -160,6 +169,11 @@ struct DistanceSearch {
         return out;
     }
     void leaves(const OrientedBox& a, const OrientedBox& b) {
+        if (++opened == next) {
+            next *= 2;
+            if (!heights) heights = new_heights(q.a, q.b, q.pose);
+            measure(*heights, q.way);
+        }
         search_leaves(q, q.a.tree.leaves[~a.child], q.b.tree.leaves[~b.child]);
     }
 };
@@ -167,6 +181,7 @@ struct DistanceSearch {
 void search(Search& q) {
     DistanceSearch search{q};
     descend(q.a.tree, q.b.tree, search);
+    if (search.heights) free_heights(search.heights);
 }
 
 FGENV_INLINE int least(F8 keys) {

@@ -44,38 +44,84 @@ Ray make_ray(Vec3 o, Vec3 d) {
     return ray;
 }
 
-// Where the ray meets the closed face; negative if nowhere. Watertight: the corners are sheared so that
-// the ray runs along an axis (S. Woop et al., "Watertight ray/triangle intersection", 2013), each once
-// and alike for every face that has it, and the sides are then decided exactly.
-double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
+// A face's corners from a ray's origin, sheared so that the ray runs along an axis (S. Woop et al., "Watertight
+// ray/triangle intersection", 2013): each once and alike for every face that has it.
+struct ShearedFace {
+    double p[3][2], depth[3];   // across and along the ray
+    double size[3], offset[3];  // of each corner: the sums of its coordinates from the origin, and across the ray
+    bool forward;               // the axis and the ray have the same sign
+};
+
+FGENV_INLINE ShearedFace sheared(Vec3 o, Vec3 d, const Vec3 f[3]) {
     const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
     const int along = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
     const int right = (along + 1) % 3, up = (along + 2) % 3;
     const double scale = 1.0 / coordinate(d, along);
-    double p[3][2], depth[3];
+    ShearedFace out;
+    out.forward = scale > 0;
     for (int k = 0; k < 3; ++k) {
         const Vec3 v = f[k] - o;
-        depth[k] = scale * coordinate(v, along);
-        p[k][0] = coordinate(v, right) - coordinate(d, right) * depth[k];
-        p[k][1] = coordinate(v, up) - coordinate(d, up) * depth[k];
+        out.depth[k] = scale * coordinate(v, along);
+        out.p[k][0] = coordinate(v, right) - coordinate(d, right) * out.depth[k];
+        out.p[k][1] = coordinate(v, up) - coordinate(d, up) * out.depth[k];
+        out.size[k] = std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+        out.offset[k] = std::fabs(out.p[k][0]) + std::fabs(out.p[k][1]);
     }
-    const double ray[2] = {0, 0};
+    return out;
+}
+
+// Exact side on which the ray passes the edge from corner k to l; `area`: twice that of the edge and the ray, sheared.
+// A coordinate across the ray has an error of at most 6 units of 2^-53 of the corner's size.
+FGENV_INLINE int side_of_edge(const ShearedFace& s, int k, int l, double area, Vec3 o, Vec3 d, const Vec3 f[3]) {
+    const double bound =
+        0x1p-49 * (s.size[k] * s.offset[l] + s.size[l] * s.offset[k] + 0x1p-49 * s.size[k] * s.size[l]);
+    if (area > bound) return 1;
+    if (area < -bound) return -1;
+    const int side = orient_line_exact(d, f[k], f[l], o);
+    return s.forward ? side : -side;
+}
+
+// Depth at which the ray passes nearest to a side of a face that it sees almost edge-on.
+double depth_at_sides(const ShearedFace& s) {
+    double nearest = HUGE_VAL, depth = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        const double u[2] = {s.p[l][0] - s.p[k][0], s.p[l][1] - s.p[k][1]};
+        const double length = u[0] * u[0] + u[1] * u[1];
+        const double at = length > 0 ? -(s.p[k][0] * u[0] + s.p[k][1] * u[1]) / length : 0;
+        const double t = lesser(greater(at, 0), 1), x = s.p[k][0] + t * u[0], y = s.p[k][1] + t * u[1];
+        const double squared = x * x + y * y;
+        if (squared >= nearest) continue;
+        nearest = squared;
+        depth = s.depth[k] + t * (s.depth[l] - s.depth[k]);
+    }
+    return depth;
+}
+
+// Where the ray meets the closed face, its corners and sides included; negative if nowhere. The sides are decided
+// exactly. A face whose plane holds the ray is not met: the ray meets its sides in the neighboring faces.
+double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
+    const ShearedFace s = sheared(o, d, f);
     double sum = 0, weighted = 0, magnitude = 0;
     int positive = 0, negative = 0;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
-        const int side = orient2d(p[k], p[l], ray);
+        const double ahead = s.p[k][0] * s.p[l][1], behind = s.p[k][1] * s.p[l][0], area = ahead - behind;
+        const int side = side_of_edge(s, k, l, area, o, d, f);
         positive += side > 0;
         negative += side < 0;
-        const double ahead = p[k][0] * p[l][1], behind = p[k][1] * p[l][0], area = ahead - behind;
         sum += area;
         magnitude += std::fabs(ahead) + std::fabs(behind);
-        weighted += area * depth[(k + 2) % 3];
+        weighted += area * s.depth[(k + 2) % 3];
     }
-    // A face seen edge-on has no depth: the ray meets its sides in the neighboring faces.
-    if ((positive && negative) || std::fabs(sum) <= 1e-15 * magnitude) return -1;
-    const double s = weighted / sum;
-    return s >= 0 ? s : -1;
+    if ((positive && negative) || (!positive && !negative)) return -1;
+    const double depths = std::fabs(s.depth[0]) + std::fabs(s.depth[1]) + std::fabs(s.depth[2]);
+    const double at = std::fabs(sum) <= 1e-15 * magnitude ? depth_at_sides(s) : weighted / sum;
+    if (at > 1e-10 * depths) return at;
+    if (at < -1e-10 * depths) return -1;
+    // Near the plane: on which side of it the ray begins is decided exactly; on it, the distance is 0.
+    const int below = orient3d(f[0], f[1], f[2], o), leaves = (positive > 0) == s.forward ? 1 : -1;
+    return below * leaves < 0 ? -1 : below == 0 ? 0 : greater(at, 0);
 }
 
 // x rounded to float, and beyond what rounding a vertex of about the same size can do.

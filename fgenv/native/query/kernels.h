@@ -78,6 +78,9 @@ struct Kernels {
     Nearest (*nearest_faces)(const Vec3 a[3], const Vec3 b[3]);
 };
 
+// Distance of two shapes that do not collide, from its square: above 0, also where rounding hides the gap.
+static inline double distance_apart(double squared) { return std::sqrt(greater(squared, 0x1p-1022)); }
+
 const Kernels& kernels();    // the table in use
 const char* kernels_name();  // "v3", "baseline"
 

@@ -54,7 +54,8 @@ Clearance World::clearance(const std::vector<BodyId>& robots, const std::vector<
         if (overlap(a.box, box) && kernels().collide(*a.body->shape, *b.shape, there, true, nullptr))
             found = 0;
         else
-            found = kernels().nearest(*a.body->shape, *b.shape, there, squared * (1 + 1e-15), false).squared;
+            found = greater(kernels().nearest(*a.body->shape, *b.shape, there, squared * (1 + 1e-15), false).squared,
+                            0x1p-1022);  // above 0, also where rounding hides the gap
         // The order of equally near bodies must not depend on how the index was built.
         if (found > squared || (found == squared && best.other >= 0 && b.id > best.other)) return;
         if (found == HUGE_VAL) return;

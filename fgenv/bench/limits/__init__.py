@@ -1,0 +1,1 @@
+"""``fgenv bench limits``: worst times of inputs at the limit of rounding."""
