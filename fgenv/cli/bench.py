@@ -4,6 +4,7 @@ import typer
 
 from fgenv.cli import (
     bench_env,
+    bench_files,
     bench_fleets,
     bench_limits,
     bench_pairs,
@@ -28,3 +29,4 @@ app.command()(bench_train.train)
 app.command()(bench_policies.policies)
 app.command()(bench_pairs.pairs)
 app.command()(bench_limits.limits)
+app.command()(bench_files.files)

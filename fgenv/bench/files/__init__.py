@@ -1,0 +1,1 @@
+"""Files of other programs: our readers against independent ones on all files in pip packages."""
