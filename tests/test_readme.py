@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from support.robots import urdf
+from support.scene_files import box_object, model, threemf
 
 from fgenv.bench.common.meshes import folder
 from fgenv.metrics import Results
@@ -40,6 +41,17 @@ def test_tour_says_the_truth() -> None:
     assert names["touch"] is not None
     assert np.isclose(np.asarray(names["ranges"])[0], 0.6, atol=0.01)
     assert np.asarray(names["inside"]).tolist() == [True, False]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_files_are_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("part.3mf").write_bytes(threemf(model(box_object())))
+    names: dict[str, Any] = {}
+    exec(block("files").replace("panda.urdf", str(urdf(PANDA)), 1), names)
+    assert names["part"].report.faces == 12
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"part.glb", "panda.obj", "copy.urdf", "copy.srdf"} <= written
 
 
 def test_masks_are_as_shown() -> None:
