@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +19,7 @@ from .configuration_space import ConfigurationSpace
 from .drives.base import Action, Drive
 from .drives.steering import Steering
 from .links_joints import Link, LinkShape, as_pose, number_of
+from .mesh_location import PackagePaths
 from .primitives import ERROR
 from .srdf import disabled_collisions
 from .urdf import Reader
@@ -43,6 +44,7 @@ class Robot(ConfigurationSpace):
         drive: meaning and limits of an action; None: only configurations move the robot.
         allowed: pairs of links that may touch. Adjacent links, and links that do not move relative
             to each other, are added.
+        notes: sentences on what the robot's file has and the robot does not, or has otherwise.
 
     Raises:
         ValueError, TypeError: an invalid argument, with the value received and the one expected.
@@ -50,6 +52,7 @@ class Robot(ConfigurationSpace):
 
     drive: Drive | None = None
     allowed: Sequence[tuple[str, str]] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -95,12 +98,13 @@ class Robot(ConfigurationSpace):
         base: str = "fixed",
         *,
         collision: bool = True,
-        package_dirs: str | Path | Iterable[str | Path] = (),
+        package_dirs: str | Path | Iterable[str | Path] | Mapping[str, str | Path] = (),
         srdf: str | Path | None = None,
         scale: float = 1.0,
         error: float = ERROR,
         method: str = "exact",
         tolerance: float | None = None,
+        soft_limits: bool = False,
         drive: Drive | None = None,
         name: str | None = None,
         mount: ArrayLike | None = None,
@@ -109,19 +113,23 @@ class Robot(ConfigurationSpace):
         """Create a robot from a URDF file; needs yourdfpy: `pip install 'fgenv[urdf]'`.
 
         Each shape of a link stays a separate shape. A negative mesh scale mirrors. The unit of a
-        COLLADA file is applied, its up axis is ignored, as in RViz. A revolute or prismatic joint
-        without lower or upper limit is unbounded there; a speed limit of 0 means none.
+        COLLADA file is applied, its up axis is ignored, as in RViz. A lower or upper limit that is
+        missing is 0, the format's default; a joint without both, or with limits over 1e5, is
+        unbounded; a speed limit of 0 means none. Faults in geometry of the other kind do not
+        matter. `Robot.notes` lists what was left out.
 
         Args:
             path: the file.
             collision: True: use the links' collision geometry; False: their visual geometry.
             package_dirs: folders in which `package://NAME/...` is searched first: folders of
-                packages, or packages; then ROS_PACKAGE_PATH and the folders above the file.
+                packages, or packages, also by the name in package.xml; or a mapping of names to
+                folders. Then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders above the file.
             srdf: a file that disables collisions of pairs of links.
             scale: factor of all lengths.
             error: meters by which the mesh of a cylinder or sphere, which encloses it, may exceed
                 it.
             method, tolerance: of the shapes, see `Shape`.
+            soft_limits: keep to the soft limits of safety controllers as well.
             name: None: the name in the file.
             base, drive, mount, workspace: see `Robot`.
 
@@ -132,9 +140,14 @@ class Robot(ConfigurationSpace):
         """
         if number_of(scale, "scale", 0.0, finite=True) == 0:
             raise ValueError("scale: got 0, expected a factor over 0")
+        packages: dict[str, Path] = {}
+        if isinstance(package_dirs, Mapping):
+            packages = {name: Path(folder) for name, folder in package_dirs.items()}
+            package_dirs = ()
         folders = [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
+        searched = PackagePaths(tuple(Path(folder) for folder in folders), packages)
         options = {"method": method, "tolerance": tolerance}
-        reader = Reader(Path(path), [Path(f) for f in folders], collision, scale, error, options)
+        reader = Reader(Path(path), searched, collision, scale, error, options, soft_limits)
         label, links, joints = reader.read()
         allowed = () if srdf is None else tuple(disabled_collisions(srdf, links))
         return cls(
@@ -146,6 +159,7 @@ class Robot(ConfigurationSpace):
             workspace,  # type: ignore[arg-type]
             drive,
             allowed,
+            tuple(reader.notes),
         )
 
     def replace(self, **changes: Any) -> Robot:

@@ -21,9 +21,9 @@ from fgenv.collision import Shape
 from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
-from .links_joints import Joint, Link, LinkShape, Mimic
-from .mesh_location import find_mesh
-from .urdf_document import check_document, load_model, numbers, parsed_document
+from .links_joints import MAX_VALUE, Joint, Link, LinkShape, Mimic
+from .mesh_location import PackagePaths, find_mesh
+from .urdf_document import check_document, load_model, numbers, parsed_document, quaternion
 
 
 @dataclass
@@ -31,24 +31,28 @@ class Reader:
     """Reader of one URDF file."""
 
     path: Path
-    package_dirs: Sequence[Path]
+    packages: PackagePaths
     collision: bool
     scale: float
     error: float  # meters, of cylinders and spheres
     shape_options: dict[str, Any]  # of Shape
+    soft_limits: bool = False  # of <safety_controller>, where it has them
     meshes: dict[tuple[Any, ...], Shape] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
     def read(self) -> tuple[str, list[Link], list[Joint]]:
         """Return name, links and joints of the file."""
-        document = parsed_document(self.path)
-        check_document(document, self.path)
+        document = parsed_document(self.path, self.notes)
+        seen = document.find("link/visual") is not None
+        kind = "collision" if self.collision else "visual"
+        check_document(document, self.path, kind)
         model = load_model(document, self.path)
         texts = document.findall("link"), document.findall("joint")
         links = [self._link(link, text) for link, text in zip(model.links, texts[0], strict=True)]
         slides = {joint.name for joint in model.joints if joint.type == "prismatic"}
         joints = [self._joint(j, t, slides) for j, t in zip(model.joints, texts[1], strict=True)]
         shaped = any(link.shapes for link in links)
-        if self.collision and not shaped and document.find("link/visual") is not None:
+        if self.collision and not shaped and seen:
             warnings.warn(
                 f"{self.path}: got visual but no collision geometry, so that nothing collides;"
                 " give collision=False to use the visual geometry",
@@ -68,11 +72,8 @@ class Reader:
 
     def _joint(self, joint: Any, text: Any, slides: Container[str]) -> Joint:
         length = self.scale if joint.type == "prismatic" else 1.0
-        limit = joint.limit
-        lower, upper, velocity = -math.inf, math.inf, math.inf
-        if limit is not None and joint.type in ("revolute", "prismatic"):
-            lower = -math.inf if limit.lower is None else length * limit.lower
-            upper = math.inf if limit.upper is None else length * limit.upper
+        limit, velocity = joint.limit, math.inf
+        lower, upper = self._limits(joint, text, length)
         if limit is not None and limit.velocity:  # 0 means unknown
             velocity = length * limit.velocity
         mimic = None
@@ -84,12 +85,35 @@ class Reader:
         names = joint.name, joint.type, joint.parent, joint.child
         return Joint(*names, origin, axis, lower, upper, velocity, mimic=mimic)
 
+    def _limits(self, joint: Any, text: Any, length: float) -> tuple[float, float]:
+        """Limits of a joint's coordinate; a missing one is 0, which is the format's default."""
+        if joint.type not in ("revolute", "prismatic"):
+            return -math.inf, math.inf
+        limit, label = joint.limit, f"joint {joint.name!r}"
+        if limit is None or (limit.lower is None and limit.upper is None):
+            self.notes.append(f"The {label} has no limits; it is unbounded.")
+            return -math.inf, math.inf
+        ends = [0.0 if x is None else float(x) for x in (limit.lower, limit.upper)]
+        soft = text.find("safety_controller")
+        if self.soft_limits and soft is not None:
+            for k, name in enumerate(("soft_lower_limit", "soft_upper_limit")):
+                if (value := soft.get(name)) is not None:
+                    ends[k] = (max, min)[k](ends[k], float(value))
+        if max(map(abs, ends)) > MAX_VALUE:
+            self.notes.append(f"The {label} has limits over {MAX_VALUE:g}; it is unbounded there.")
+        low, high = (x if abs(x) <= MAX_VALUE else math.copysign(math.inf, x) for x in ends)
+        return length * low, length * high
+
     def _origin(self, text: Any) -> Floats:
         """The pose of an element's <origin>."""
         origin = text.find("origin")
         if origin is None:
             return np.eye(4)
-        pose = rotation(numbers(origin, "rpy", self.path))
+        if origin.get("quat_xyzw") is None:
+            pose = rotation(numbers(origin, "rpy", self.path))
+        else:
+            pose = np.eye(4)
+            pose[:3, :3] = rotation_of_quaternion(*quaternion(origin, self.path))
         pose[:3, 3] = [self.scale * x for x in numbers(origin, "xyz", self.path)]
         return pose
 
@@ -113,7 +137,7 @@ class Reader:
     def _mesh(self, mesh: Any, link: str) -> Shape:
         """The shape of a mesh file, scaled, mirrored for a negative scale; cached."""
         try:
-            file = find_mesh(mesh.filename, self.path, self.package_dirs)
+            file = find_mesh(mesh.filename, self.path, self.packages)
         except FileNotFoundError as error:
             raise FileNotFoundError(f"{self.path}: link {link!r}: {error}") from None
         scale = np.broadcast_to(1.0 if mesh.scale is None else mesh.scale, 3).astype(float)
@@ -129,6 +153,15 @@ class Reader:
             vertices = mesh_data.vertices * scale  # in meters
             self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
         return self.meshes[key]
+
+
+def rotation_of_quaternion(x: float, y: float, z: float, w: float) -> list[list[float]]:
+    """Rotation (3, 3) of a unit quaternion."""
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
 
 
 def rotation(rpy: Sequence[float]) -> Floats:

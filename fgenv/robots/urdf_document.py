@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import io
+import math
+import re
 from pathlib import Path
 from typing import Any, NoReturn
 
 from .links_joints import JOINT_KINDS, number_of
 
+MAX_BYTES = 64_000_000
+DECLARATION = re.compile(rb"(\s*<\?xml\s+version\s*=\s*)(['\"])([^'\"]*)\2")
+PREFIX = re.compile(r"^(\{[^}]*\}|[^:{]*:)")
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
+# Attributes of each geometry, and how many numbers they may have.
+SIZES: dict[str, dict[str, tuple[int, ...]]] = {
+    "box": {"size": (3,)},
+    "cylinder": {"radius": (1,), "length": (1,)},
+    "sphere": {"radius": (1,)},
+    "mesh": {"scale": (3, 1)},
+}
 
 
-def parsed_document(path: Path) -> Any:
-    """Root element, without elements and attributes of unknown prefixes."""
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
-        raise FileNotFoundError(f"path: {path} {what}, expected a URDF file")
+def parsed_document(path: Path, notes: list[str]) -> Any:
+    """Root element, without elements and attributes of foreign prefixes.
+
+    Args:
+        notes: receives sentences on what the file has and the robot does not, or has otherwise.
+    """
     if path.suffix == ".xacro":
         raise ValueError(f"path: {path} is a xacro file, expand it first: xacro FILE > robot.urdf")
     try:
@@ -26,37 +39,95 @@ def parsed_document(path: Path) -> Any:
             f"to read URDF, {error.name} is needed; remedy: pip install 'fgenv[urdf]'",
             name=error.name,
         ) from None
+    text = _content(path)
+    declared = DECLARATION.match(text)
+    if declared and declared[3] != b"1.0":  # PyBullet's data have version 0.0
+        version = declared[3].decode(errors="replace")
+        notes.append(f"The XML declares version {version}; it is read as version 1.0.")
+        text = declared[1] + b'"1.0"' + text[declared.end() :]
     parser = etree.XMLParser(recover=True, remove_comments=True, resolve_entities=False)
     try:
-        root = etree.parse(str(path), parser).getroot()
+        root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:  # nothing to recover
         raise ValueError(f"path: {path}: got {error.msg}, expected a URDF file") from None
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
             raise ValueError(f"path: {path}: line {fault.line}: got {fault.message}, expected XML")
+    if root is not None and (default := root.nsmap.get(None)):
+        notes.append(f"The default namespace {default} is ignored.")
+        for element in root.iter(f"{{{default}}}*"):
+            element.tag = etree.QName(element).localname
     if root is None or root.tag != "robot":
         came = "nothing" if root is None else f"<{root.tag}>"
         raise ValueError(f"path: {path}: got {came}, expected a URDF file: <robot>")
-    for element in list(root.iter()):  # a name with a declared xmlns is {uri}name
-        if isinstance(element.tag, str) and ":" in element.tag and "{" not in element.tag:
-            element.getparent().remove(element)
-        for key in [k for k in element.attrib if ":" in k and "{" not in k]:
-            del element.attrib[key]
+    _remove_foreign(root, path, notes)
     return root
 
 
-def check_document(document: Any, path: Path) -> None:
-    """Raise ValueError, with the line, for content that a loader fails on or skips silently."""
+def _content(path: Path) -> bytes:
+    """The bytes of a file.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ValueError: no regular file, or one that is too large.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"path: {path} does not exist, expected a URDF file")
+    if not path.is_file():
+        what = "folder" if path.is_dir() else "device or pipe"
+        raise FileNotFoundError(f"path: {path} is a {what}, expected a URDF file")
+    if path.stat().st_size > MAX_BYTES:
+        raise ValueError(f"path: {path}: got over {MAX_BYTES:,} bytes, expected a URDF file")
+    return path.read_bytes()
+
+
+def _remove_foreign(root: Any, path: Path, notes: list[str]) -> None:
+    """Remove elements and attributes with a prefix; those of xacro are errors."""
+    removed: dict[str, None] = {}
+    for element in list(root.iter()):
+        if not isinstance(element.tag, str):
+            continue
+        name = PREFIX.sub("", element.tag)
+        if name != element.tag:  # prefix:name, or {uri}name where the prefix is declared
+            if "xacro" in element.tag:
+                _fail(path, element, f"got <xacro:{name}>, expected URDF; expand it first: xacro")
+            removed[name] = None
+            if element.getparent() is not None:
+                element.getparent().remove(element)
+            continue
+        for key in [k for k in element.attrib if PREFIX.match(k)]:
+            removed[PREFIX.sub("", key)] = None
+            del element.attrib[key]
+    if removed:
+        notes.append(
+            f"Elements and attributes of other programs are left out: {', '.join(removed)}."
+        )
+
+
+def check_document(document: Any, path: Path, kind: str) -> None:
+    """Raise ValueError, with the line, for content that a loader fails on or skips silently.
+
+    Args:
+        kind: `collision` or `visual`: the other kind of geometry is removed, not checked.
+    """
+    for link in document.findall("link"):
+        for item in link.findall("visual" if kind == "collision" else "collision"):
+            link.remove(item)
     for element in (document, *document.findall("link"), *document.findall("joint")):
         if not element.get("name"):
             _fail(path, element, f"<{element.tag}>: got no name, expected name=")
     for origin in document.iter("origin"):
-        numbers(origin, "rpy", path)
         numbers(origin, "xyz", path)
+        if origin.get("quat_xyzw") is None:
+            numbers(origin, "rpy", path)
+        elif origin.get("rpy") is None:
+            quaternion(origin, path)
+        else:
+            _fail(path, origin, "origin: got rpy and quat_xyzw, expected one of them")
     for joint in document.findall("joint"):
         _check_joint(joint, path)
     for link in document.findall("link"):
-        for item in (*link.findall("collision"), *link.findall("visual")):
+        for item in link.findall(kind):
             _check_geometry(link, item, path)
 
 
@@ -83,8 +154,20 @@ def _check_geometry(link: Any, item: Any, path: Path) -> None:
     if len(inside) != 1 or inside[0] not in GEOMETRIES:
         got, expected = ", ".join(map(str, inside)) or "nothing", ", ".join(GEOMETRIES)
         _fail(path, item, f"{label}: {item.tag} geometry: got {got}, expected one of {expected}")
-    if inside == ["mesh"] and not geometry[0].get("filename"):
+    form = geometry[0]
+    if inside == ["mesh"] and not form.get("filename"):
         _fail(path, item, f"{label}: got a mesh without filename, expected one")
+    for name, counts in SIZES[form.tag].items():
+        text = form.get(name)
+        if text is None and form.tag == "mesh":
+            continue
+        try:
+            words = [number_of(float(word), name, finite=True) for word in (text or "").split()]
+        except ValueError:
+            words = []
+        if len(words) not in counts:
+            expected = f"{' or '.join(map(str, counts))} numbers"
+            _fail(path, form, f"{label}: {form.tag} {name}: got {text!r}, expected {expected}")
 
 
 def load_model(document: Any, path: Path) -> Any:
@@ -97,6 +180,19 @@ def load_model(document: Any, path: Path) -> Any:
         return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy raises whatever its parts raise
         raise ValueError(f"path: {path} cannot be read ({error}), expected a URDF file") from error
+
+
+def quaternion(origin: Any, path: Path) -> tuple[float, float, float, float]:
+    """The unit quaternion x, y, z, w of an origin, as URDF 1.1 has it."""
+    text = origin.get("quat_xyzw")
+    try:
+        x, y, z, w = (number_of(float(word), "quat_xyzw", finite=True) for word in text.split())
+    except ValueError:
+        _fail(path, origin, f"origin: quat_xyzw: got {text!r}, expected four numbers")
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    if abs(length - 1) > 1e-3:
+        _fail(path, origin, f"origin: quat_xyzw: got length {length:g}, expected 1")
+    return x / length, y / length, z / length, w / length
 
 
 def numbers(element: Any, name: str, path: Path) -> list[float]:

@@ -65,7 +65,7 @@ def test_command(record: Record, shell: Shell) -> None:
         with Image.open("a.png") as picture:
             assert np.ptp(np.asarray(picture.convert("L"))) > 100
     for kind, path, said in (
-        ("speed", "a.png", "kind: got 'speed', expected clearance, masks, space-time"),
+        ("speed", "a.png", "--kind: got 'speed'; expected one of: clearance, masks, space-time"),
         ("learning", "a.png", "run.npz: expected the evaluations.csv"),
         ("masks", "a.gif", "ends in .png, .svg, .pdf"),
         ("masks", "no/a.png", "there is no folder no"),

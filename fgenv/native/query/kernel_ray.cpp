@@ -102,7 +102,7 @@ double depth_at_sides(const ShearedFace& s) {
 // exactly. A face whose plane holds the ray is not met: the ray meets its sides in the neighboring faces.
 double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
     const ShearedFace s = sheared(o, d, f);
-    double sum = 0, weighted = 0, magnitude = 0;
+    double sum = 0, weighted = 0, noise = 0;
     int positive = 0, negative = 0;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3;
@@ -111,12 +111,12 @@ double ray_meets_face(Vec3 o, Vec3 d, const Vec3 f[3]) {
         positive += side > 0;
         negative += side < 0;
         sum += area;
-        magnitude += std::fabs(ahead) + std::fabs(behind);
+        noise += s.size[k] * s.offset[l] + s.size[l] * s.offset[k];  // times 2^-49: error of the area
         weighted += area * s.depth[(k + 2) % 3];
     }
     if ((positive && negative) || (!positive && !negative)) return -1;
     const double depths = std::fabs(s.depth[0]) + std::fabs(s.depth[1]) + std::fabs(s.depth[2]);
-    const double at = std::fabs(sum) <= 1e-15 * magnitude ? depth_at_sides(s) : weighted / sum;
+    const double at = std::fabs(sum) <= 0x1p-26 * noise ? depth_at_sides(s) : weighted / sum;
     if (at > 1e-10 * depths) return at;
     if (at < -1e-10 * depths) return -1;
     // Near the plane: on which side of it the ray begins is decided exactly; on it, the distance is 0.

@@ -42,7 +42,7 @@ bool fits(const RobotState& robot, const RobotSpec& spec) {
 bool in_range(const RobotState& robot, const World& world) {
     const auto is_body = [&](BodyId id) { return id == -1 || (id >= 0 && id < world.end_id() && world.find(id)); };
     const Vec3 p = robot.hit_point;
-    return is_body(robot.hit) && is_body(robot.hit_part) && (robot.hit < 0) == (robot.hit_part < 0) &&
+    return is_body(robot.hit) && is_body(robot.hit_part) && (robot.hit < 0 || robot.hit_part >= 0) &&
            finite({robot.remaining, robot.hit_time, p.x, p.y, p.z, robot.reward, robot.traveled}) &&
            robot.hit_time >= 0 && robot.traveled >= 0 && !std::isnan(robot.clearance) &&
            !std::isnan(robot.least_clearance) && robot.checks >= 0 && robot.masked >= 0 && robot.collisions >= 0 &&
