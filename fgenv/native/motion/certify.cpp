@@ -14,6 +14,7 @@ namespace {
 constexpr int64_t min_limit = 1 << 13;  // steps of all kinds for two bodies after which the search gives up: this
 constexpr int64_t max_limit = 1 << 20;  // number and a 16th of their faces squared, at most this
 constexpr int max_slides = 16;          // successive planes at rest
+constexpr int slide_parts = 64;         // a plane at rest that holds for a smaller part of the time is the last
 constexpr int slide_samples = 8;        // tests during a stretch in which the bodies graze
 constexpr int slide_after = 8;          // steps before a plane at rest is tried, for all that is left
 constexpr int slide_partly = 256;       // or for a part of it
@@ -260,6 +261,7 @@ private:
                 return lo;
             }
             lo = lo + after;
+            if (after < longest / slide_parts) break;
         }
         return lesser(lo, hi);
     }
