@@ -57,6 +57,7 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
         notes.append(f"The default namespace {default} is ignored.")
         for element in root.iter(f"{{{default}}}*"):
             element.tag = etree.QName(element).localname
+        etree.cleanup_namespaces(root)
     if root is None or root.tag != "robot":
         came = "nothing" if root is None else f"<{root.tag}>"
         raise ValueError(f"path: {path}: got {came}, expected a URDF file: <robot>")

@@ -294,10 +294,10 @@ FAULTS = [
     (
         'size="0.2 0.3 0.4"',
         'size="0.2 0.3"',
-        "link 'base': box: size: got .*, expected three lengths",
+        "link 'base': box size: got .*, expected 3 numbers",
     ),
     ('radius="0.05"', 'radius="-1"', "link 'upper': cylinder: radius: got -1.0, expected meters"),
-    ('radius="0.05"', 'radius="wide"', "cannot be read .*wide"),
+    ('radius="0.05"', 'radius="wide"', "cylinder radius: got 'wide', expected 1 numbers"),
     (
         'rpy="0.4 0.5 0.6"',
         'rpy="0.4 0.5"',
