@@ -90,6 +90,15 @@ Goal = Annotated[
     str | None, typer.Option("--goal", help="Goal configuration, as for --start.", **OWN)
 ]
 Scale = Annotated[float, typer.Option("--scale", help="Factor of meshes to meters.", **OWN)]
+Up = Annotated[
+    str,
+    typer.Option(
+        "--up",
+        help="Axis of the meshes that becomes z: z, y or x. y turns (x, y, z) to (x, -z, y),"
+        " the frame of --start and --goal.",
+        **OWN,
+    ),
+]
 
 
 def plan(
@@ -110,6 +119,7 @@ def plan(
     start: Start = None,
     goal: Goal = None,
     scale: Scale = 1.0,
+    up: Up = "z",
     seed: Seed = 0,
     seeds: Seeds = None,
     csv: Csv = None,
@@ -135,12 +145,12 @@ def plan(
     check_target(out, "--out", ".npz")
     overrides = overrides_from(n, size, set)
     if mesh is None:
-        refuse_options(context, ("world", "start", "goal", "scale"), "expected with --mesh")
+        refuse_options(context, ("world", "start", "goal", "scale", "up"), "expected with --mesh")
         problem = load_scenario(context, scenario, overrides, seed)
     else:
         if scenario or overrides:
             raise ValueError("--mesh: expected with --start and --goal, and without a scenario")
-        problem = scenario_of_mesh(mesh, world, start, goal, scale)
+        problem = scenario_of_mesh(mesh, world, start, goal, scale, up)
     options: dict[str, Any] = {"method": method, "margin": margin, "objective": objective}
     if seeds is not None:
         refuse_options(context, ("out", "seed"), "has no effect with --seeds")
@@ -166,14 +176,19 @@ def plan(
 
 
 def scenario_of_mesh(
-    mesh: Path, world: Path | None, start: str | None, goal: str | None, scale: float
+    mesh: Path,
+    world: Path | None,
+    start: str | None,
+    goal: str | None,
+    scale: float,
+    up: str,
 ) -> Scenario:
     """Return the scenario of a robot's mesh."""
     from fgenv.cli.mesh_scenario import scenario_of_meshes
 
     if start is None or goal is None:
         raise ValueError("--mesh: expected with --start and --goal, and without a scenario")
-    return scenario_of_meshes(mesh, world, start, goal, scale)
+    return scenario_of_meshes(mesh, world, start, goal, scale, up)
 
 
 @contextmanager

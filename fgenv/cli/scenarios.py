@@ -16,6 +16,7 @@ from fgenv.saving import atomic
 
 if TYPE_CHECKING:
     from fgenv.scenarios import Scenario
+    from fgenv.scenarios.registry import FileFormat
 
 Name = Annotated[
     str | None, typer.Argument(help="Built-in scenario, or scenario file; all if left out.")
@@ -102,7 +103,8 @@ def print_scenario(name: str, scenario: Scenario, written: list[str], as_json: b
     """Print a scenario, its options and the written files."""
     from fgenv.scenarios.library import ENTRIES
 
-    options = {} if name not in ENTRIES else ENTRIES[name].parameters
+    known = ENTRIES.get(name) or format_of(name)
+    options = {} if known is None else known.parameters
     if as_json:
         data = {
             "name": scenario.name,
@@ -117,11 +119,20 @@ def print_scenario(name: str, scenario: Scenario, written: list[str], as_json: b
         typer.echo(json.dumps(data, indent=1))
         return
     typer.echo(f"{scenario.name}: {scenario.description}")
-    if name in ENTRIES and options:
-        typer.echo(f"\n{inspect.getdoc(ENTRIES[name].make)}")
+    if known is not None and options:
+        typer.echo(f"\n{inspect.getdoc(known.make)}")
         typer.echo("\nDefaults: " + ", ".join(f"{key}={value}" for key, value in options.items()))
     for path in written:
         typer.echo(f"written: {path}")
+
+
+def format_of(name: str) -> FileFormat | None:
+    """Return the format of a file of another program; None for a scenario file."""
+    from fgenv.scenarios.load import file_format_of
+    from fgenv.scenarios.registry import FileFormat
+
+    found = file_format_of(Path(name))
+    return found if isinstance(found, FileFormat) else None
 
 
 def freeze_scenario(

@@ -6,6 +6,7 @@
 >>> built.world().contact_pairs()                                   # none
 """
 
+from fgenv.scenarios import io as io  # registers the file formats
 from fgenv.scenarios import library as library  # registers the built-in scenarios
 from fgenv.scenarios.build import Built
 from fgenv.scenarios.errors import Problem, ScenarioError

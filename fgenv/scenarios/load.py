@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Collection, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,23 +25,37 @@ Check = Callable[[ScenarioSpec, Collection[str]], list[Fault]]
 def load(kind: type[AnyScenario], source: str | Path, overrides: dict[str, Any]) -> AnyScenario:
     """See `Scenario.load`."""
     if is_file_name(source):
-        return _overridden(_from_file(kind, Path(source)), overrides, ())
-    entry = registry.entry(str(source))
-    parameters = inspect.signature(entry.make).parameters
-    _check_names(entry.name, overrides, parameters)
+        path = Path(source)
+        found = file_format_of(path)
+        if isinstance(found, Document):
+            return _overridden(_from_file(kind, path, found), overrides, ())
+        make, parameters = partial(found.make, path), found.parameters
+    else:
+        entry = registry.entry(str(source))
+        make, parameters = partial(entry.make), entry.parameters
+    _check_names(str(source), overrides, parameters)
     try:
-        scenario = entry.make(**{k: v for k, v in overrides.items() if k in parameters})
+        scenario = make(**{k: v for k, v in overrides.items() if k in parameters})
     except ValidationError as error:
-        raise ScenarioError(entry.name, _argument_problems(error)) from None
+        raise ScenarioError(source, _argument_problems(error)) from None
     assert isinstance(scenario, kind)
     rest = {k: v for k, v in overrides.items() if k not in parameters}
     return _overridden(scenario, rest, parameters)
 
 
+def file_format_of(path: Path) -> registry.FileFormat | Document:
+    """The format of a file of another program; the document of one that holds a scenario."""
+    if (found := registry.format_of_suffix(path)) is not None:
+        return found
+    document = read(path)
+    return registry.format_of_keys(document.data) or document
+
+
 def is_file_name(source: str | Path) -> bool:
     """Whether the source is a file rather than the name of a built-in scenario."""
     path = Path(source)
-    return isinstance(source, Path) or path.suffix in SUFFIXES or len(path.parts) > 1
+    suffix = path.suffix in SUFFIXES or registry.format_of_suffix(path) is not None
+    return isinstance(source, Path) or suffix or len(path.parts) > 1
 
 
 def validate(path: str | Path) -> list[Problem]:
@@ -51,28 +65,31 @@ def validate(path: str | Path) -> list[Problem]:
         OSError: the file cannot be read.
     """
     try:
-        return _checked(ScenarioSpec, Path(path), all_faults)[1]
-    except ScenarioError as error:  # not YAML
+        found = file_format_of(Path(path))
+        if isinstance(found, Document):
+            return _checked(ScenarioSpec, Path(path), found, all_faults)[1]
+        return [fault.problem for fault in all_faults(found.make(Path(path)))]
+    except ScenarioError as error:  # not YAML, or of another program
         return list(error.problems)
 
 
-def _from_file(kind: type[AnyScenario], path: Path) -> AnyScenario:
+def _from_file(kind: type[AnyScenario], path: Path, document: Document) -> AnyScenario:
     """The scenario in a file. Schema, names and files are checked; contacts are not."""
 
     def check(scenario: ScenarioSpec, dropped: Collection[str]) -> list[Fault]:
         return [*reference_faults(scenario, dropped), *file_faults(scenario)]
 
-    scenario, problems = _checked(kind, path, check)
+    scenario, problems = _checked(kind, path, document, check)
     if problems or scenario is None:
         raise ScenarioError(path, problems)
     return scenario
 
 
 def _checked(
-    kind: type[AnyScenario], path: Path, check: Check
+    kind: type[AnyScenario], path: Path, document: Document, check: Check
 ) -> tuple[AnyScenario | None, list[Problem]]:
     """The scenario in a file, and the problems that the schema and `check` report, by line."""
-    parsed = parse(kind, read(path))
+    parsed = parse(kind, document)
     problems = list(parsed.problems)
     if parsed.scenario is not None:
         parsed.scenario = parsed.scenario.at(path.parent)

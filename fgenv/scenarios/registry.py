@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal, ParamSpec, TypeVar
 
 from pydantic import Field, validate_call
@@ -60,6 +61,59 @@ class Entry:
 
 
 ENTRIES: dict[str, Entry] = {}
+OWN_KEYS = {"version", "shapes", "models", "robots", "bodies"}  # of a scenario
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """A format of files of other programs that hold scenarios.
+
+    Attributes:
+        name: for messages.
+        suffixes: lower case; .yaml for formats that are recognized by their keys.
+        keys: top-level keys of which a YAML file of this format has at least one.
+        make: the reader; its parameters after the path are the overrides.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    keys: frozenset[str]
+    make: Callable[..., ScenarioSpec]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Overrides with their defaults."""
+        known = list(inspect.signature(self.make).parameters.values())[1:]
+        return {parameter.name: parameter.default for parameter in known}
+
+
+FORMATS: list[FileFormat] = []
+
+
+def file_format(
+    name: str, *suffixes: str, keys: Iterable[str] = ()
+) -> Callable[[Callable[P, AnyScenario]], Callable[P, AnyScenario]]:
+    """Register a reader of files with these suffixes, or of YAML with one of these keys."""
+
+    def register(make: Callable[P, AnyScenario]) -> Callable[P, AnyScenario]:
+        checked = validate_call(make)
+        FORMATS.append(FileFormat(name, suffixes, frozenset(keys), checked))
+        return checked
+
+    return register
+
+
+def format_of_suffix(path: str | Path) -> FileFormat | None:
+    """The format with the suffix of a file; None for YAML and unknown suffixes."""
+    suffix = Path(path).suffix.lower()
+    return next((item for item in FORMATS if suffix in item.suffixes), None)
+
+
+def format_of_keys(data: object) -> FileFormat | None:
+    """The format of the content of a YAML file; None for a scenario or unknown content."""
+    if not isinstance(data, dict) or not OWN_KEYS.isdisjoint(map(str, data)):
+        return None
+    return next((item for item in FORMATS if not item.keys.isdisjoint(map(str, data))), None)
 
 
 def builtin(

@@ -1,1 +1,5 @@
-"""Files of other programs: YAML with line numbers, MoveIt scenes, ROS messages."""
+"""Files of other programs: MoveIt, ROS maps, MovingAI, OctoMap, point clouds, OMPL.app."""
+
+from . import map_server, moveit, moving_ai, octomap, ompl_app, point_cloud
+
+__all__ = ["map_server", "moveit", "moving_ai", "octomap", "ompl_app", "point_cloud"]

@@ -21,13 +21,15 @@ from fgenv.arrays import Floats
 from fgenv.robots import Drive, JointVelocity, Robot
 from fgenv.scenarios.build import urdf_path
 from fgenv.scenarios.drive_specs import DriveSpec
+from fgenv.scenarios.registry import OWN_KEYS, file_format
 from fgenv.scenarios.scenario import Scenario
 from fgenv.scenarios.schema import Model, Placement, RobotSpec, Tolerance
 
 from .collision_matrix import CollisionMatrix
-from .message_types import check_message
+from .message_types import MESSAGES, check_message
 from .motion_request import check_request, first_goal, goal_of, moving_joints, start_of
 from .planning_scene import PlanningScene, configuration, label_of, merged, scene_of, state_of
+from .scene_text import read_scene_text
 from .yaml_node import Node
 
 NEAR = 0.01  # m and rad: how near to its goal a robot has arrived
@@ -53,7 +55,34 @@ def load_scene(
             that makes no sense, an unknown frame, octomaps, link padding and scale, prisms.
         FileNotFoundError: no such file.
     """
+    if Path(path).suffix.lower() == ".scene":
+        return read_scene_text(Path(path))
     return scene_of(Node.read(path), robot, q)
+
+
+def _scenario_of(scene: PlanningScene, path: Path) -> Scenario:
+    """The static bodies of a scene."""
+    if scene.matrix is not None:
+        scene.matrix.place.fail("is for a robot", "use load_problem, or remove it")
+    return Scenario(
+        version=1,
+        name=scene.name or path.stem,
+        description="Planning scene of MoveIt.",
+        shapes=scene.shapes,
+        bodies=scene.bodies,
+    ).at(path.parent)
+
+
+@file_format("MoveIt scene as text", ".scene")
+def scene_text(path: Path) -> Scenario:
+    """The objects of a .scene file; see `read_scene_text`."""
+    return _scenario_of(read_scene_text(path), path)
+
+
+@file_format("MoveIt planning scene", keys=MESSAGES["PlanningScene"].keys() - OWN_KEYS - {"name"})
+def planning_scene(path: Path) -> Scenario:
+    """The objects of a planning scene in YAML; see `load_scene`."""
+    return _scenario_of(load_scene(path), path)
 
 
 def load_problem(
@@ -90,7 +119,9 @@ def load_problem(
     """
     asked = Node.read(request)
     check_request(asked)
-    if not isinstance(scene, PlanningScene):
+    if not isinstance(scene, PlanningScene) and Path(scene).suffix.lower() == ".scene":
+        scene = read_scene_text(Path(scene))
+    elif not isinstance(scene, PlanningScene):
         top = Node.read(scene)
         scene = scene_of(top, *_placed(top, asked, arm_of(str(urdf))))
     arm = Model(

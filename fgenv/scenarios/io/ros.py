@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -40,7 +41,12 @@ def transform_of(node: Node | None) -> Floats:
 
 def turned(node: Node) -> Floats:
     """The rotation (3, 3) of a quaternion; as in MoveIt, all zeros are no turn."""
-    x, y, z, w = node.numbers("xyzw")
+    return rotation_of(node, node.numbers("xyzw"))
+
+
+def rotation_of(node: Node, quaternion: Sequence[float]) -> Floats:
+    """The rotation (3, 3) of a quaternion x, y, z, w; `node` is for messages."""
+    x, y, z, w = quaternion
     size = x * x + y * y + z * z + w * w
     if size == 0.0:
         return np.eye(3)

@@ -7,13 +7,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
+from fgenv.arrays import Floats
 from fgenv.collision import Shape
 from fgenv.robots import primitives
 from fgenv.scenarios.meshes import three_tanks, vehicles
 
-from . import puzzles
+from . import boxes, puzzles
 from .base import LONGEST, Form, Length, Solid, meters, quantity
 
 Coordinate = Annotated[float, quantity("m", "Coordinate", ge=-LONGEST, le=LONGEST)]
@@ -181,6 +183,14 @@ class MeshFile(Form):
     kind: Literal["mesh"]
     file: str = Field(min_length=1, description="Path, relative to the scenario file")
     scale: float = quantity("-", "Factor to meters: 0.001 for a file in millimeters", 1.0, gt=0)
+    up: Literal["z", "y", "-y", "x"] = Field(
+        default="z",
+        description="Axis of the file that becomes z: y turns (x, y, z) to (x, -z, y),"
+        " -y to (x, z, -y), x to (-z, y, x)",
+    )
+    origin: Point = Field(
+        default=(0.0, 0.0, 0.0), description="Point that becomes the origin, after up (m)"
+    )
     sha256: str | None = Field(
         default=None,
         pattern="^[0-9a-f]{64}$",
@@ -194,7 +204,8 @@ class MeshFile(Form):
     def shape(self, folder: Path | None = None) -> Shape:
         path = self.path(folder).resolve()
         status = path.stat() if path.is_file() else None
-        return _from_file(path, self.scale, status and (status.st_mtime_ns, status.st_size))
+        changed = status and (status.st_mtime_ns, status.st_size)
+        return _from_file(path, self.scale, self.up, self.origin, changed)
 
     def check_hash(self, folder: Path | None) -> None:
         """Raise ValueError if the hash of the file is not `sha256`."""
@@ -238,12 +249,24 @@ AnyForm = Annotated[
     | puzzles.BugTrap
     | puzzles.OpenRing
     | MeshFile
-    | Triangles,
+    | Triangles
+    | boxes.Boxes,
     Field(discriminator="kind"),
 ]
 
 
 @lru_cache(maxsize=256)
-def _from_file(path: Path, scale: float, status: object) -> Shape:
+def _from_file(path: Path, scale: float, up: str, origin: Point, status: object) -> Shape:
     """`status` makes the cache read a changed file again."""
-    return Shape.load(path, scale=scale)
+    shape = Shape.load(path, scale=scale)
+    if up == "z" and not any(origin):
+        return shape
+    vertices = turned_up(np.asarray(shape.vertices), up) - np.array(origin)
+    return Shape(vertices, shape.faces, name=shape.name)
+
+
+def turned_up(points: Floats, up: str) -> Floats:
+    """Points (n, 3) turned so that an axis (x, y, -y or z) becomes z; exact."""
+    x, y, z = points.T
+    axes = {"z": (x, y, z), "y": (x, -z, y), "-y": (x, z, -y), "x": (-z, y, x)}
+    return np.column_stack(axes[up])
