@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
@@ -32,13 +32,14 @@ def test_merged_boxes_cover_exactly_the_cells(cells: NDArray[np.bool_]) -> None:
     assert (covered == cells).all()  # each once
 
 
+@settings(max_examples=30)
 @given(GRIDS)
 def test_walls_contain_each_occupied_cell_and_no_free_one(cells: NDArray[np.bool_]) -> None:
     flat = boxes_of_cells(cells)
     if not len(flat):
         return
-    boxes = [(a, b, 0.0, c, d, 1.0) for a, b, c, d in flat.astype(float).tolist()]
-    shape = Boxes(kind="boxes", boxes=boxes).shape()
+    rows = [(a, b, 0.0, c, d, 1.0) for a, b, c, d in flat.astype(float).tolist()]
+    shape = Boxes.model_validate({"kind": "boxes", "boxes": rows}).shape()
     centers = np.argwhere(np.ones_like(cells)) + 0.5
     points = np.column_stack([centers, np.full(len(centers), 0.5)])
     assert shape.watertight
@@ -91,6 +92,7 @@ def expected_states(color: NDArray[Any], mode: str, negate: int) -> NDArray[Any]
     return result
 
 
+@settings(max_examples=30)
 @given(
     arrays(np.uint8, st.tuples(st.integers(1, 5), st.integers(1, 5))),
     st.sampled_from(["trinary", "scale", "raw"]),
@@ -183,6 +185,7 @@ def moving_ai(folder: Path, rows: list[str], **head: Any) -> Path:
     return folder / "m.map"
 
 
+@settings(max_examples=30)
 @given(CELLS, st.sampled_from([0.5, 1.0, 3.0]))
 def test_a_map_has_a_wall_where_a_cell_is_blocked(
     tmp_path_factory: pytest.TempPathFactory, cells: NDArray[np.int8], edge: float
