@@ -22,7 +22,7 @@ EXTRA_OF = {
     "imageio_ffmpeg": "view",
     "matplotlib": "view",
     "mpe2": "bench",
-    "mujoco": "bench",
+    "mujoco": "mjcf",
     "pybullet": "bench",
     "pybullet_data": "bench",
     "rtbdata": "bench",

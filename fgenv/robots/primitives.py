@@ -1,4 +1,4 @@
-"""Meshes of boxes, cylinders and spheres; round shapes are enclosed by their meshes.
+"""Meshes of boxes, cylinders, spheres, ellipsoids and capsules; round ones are enclosed.
 
 A 'free' verdict must hold for the exact shape, so that meshes are circumscribed, never inscribed.
 Lengths are meters, meshes are closed. Sines come from the native core, so that a mesh is the same
@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fgenv import _core
-from fgenv.arrays import Faces, Vertices
+from fgenv.arrays import Faces, Floats, Vertices
 from fgenv.collision import Shape
 
 from .links_joints import number_of
 
 ERROR = 1e-3  # meters
 MIN_SIDES, MAX_SIDES = 8, 256  # of a cylinder
+MAX_CAPSULE_SIDES = 128
 MAX_SUBDIVISIONS = 5  # of an icosahedron: 80 to 20,480 faces
 OUTWARD = 1 + 1e-12  # exceeds the rounding error
 
@@ -81,6 +82,85 @@ def sphere(
         options: of Shape.
     """
     radius, error = _length(radius, f"{name}: radius"), _length(error, f"{name}: error")
+    outer, vertices, faces = _around_sphere(radius, error)
+    return Shape(outer * vertices, faces, name=name, **options), outer - radius
+
+
+def ellipsoid(
+    radii: ArrayLike, error: float = ERROR, name: str = "ellipsoid", **options: Any
+) -> tuple[Shape, float]:
+    """A polyhedron around an ellipsoid at the origin, and its excess (m).
+
+    Args:
+        radii: (3,), semi-axes along x, y, z, meters, over 0.
+        error: upper bound of the excess, meters, unless that needs more than 20,480 faces.
+        name: of the shape.
+        options: of Shape.
+    """
+    axes = np.array(radii, dtype=np.float64)
+    if axes.shape != (3,) or not (np.isfinite(axes).all() and (axes > 0).all()):
+        raise ValueError(f"{name}: radii: got {radii!r}, expected three lengths over 0")
+    longest = float(axes.max())
+    outer, vertices, faces = _around_sphere(1.0, _length(error, f"{name}: error") / longest)
+    outer *= OUTWARD  # the products below are rounded
+    return Shape(outer * axes * vertices, faces, name=name, **options), longest * (outer - 1)
+
+
+def capsule(
+    radius: float, length: float, error: float = ERROR, name: str = "capsule", **options: Any
+) -> tuple[Shape, float]:
+    """A polyhedron around a capsule along z, centered at the origin, and its excess (m).
+
+    Args:
+        radius: meters, over 0.
+        length: distance of the centers of its half spheres, meters, over 0.
+        error: upper bound of the excess, meters, unless that needs more than 128 sides.
+        name: of the shape.
+        options: of Shape.
+    """
+    radius, length = _length(radius, f"{name}: radius"), _length(length, f"{name}: length")
+    error = _length(error, f"{name}: error")
+    for sides in range(MIN_SIDES, MAX_CAPSULE_SIDES + 1, 4):
+        heights, widths = _core.sin_cos(2 * math.pi / sides * np.arange(sides // 4 + 1))
+        middles = widths * float(_core.sin_cos(math.pi / sides)[1])  # of the chords of each ring
+        area = middles[:-1] * heights[1:] - middles[1:] * heights[:-1]
+        edge = np.sqrt(np.diff(middles) ** 2 + np.diff(heights) ** 2)
+        outer = radius / float(np.min(area / edge)) * OUTWARD
+        if outer - radius <= error:
+            break
+    vertices, faces = _rings(outer * widths[:-1], outer * heights[:-1] + 0.5 * length, sides)
+    poles = [(0.0, 0.0, z * (outer + 0.5 * length)) for z in (1, -1)]
+    return Shape(np.vstack([vertices, poles]), faces, name=name, **options), outer - radius
+
+
+def _rings(widths: Floats, heights: Floats, sides: int) -> tuple[Vertices, Faces]:
+    """Rings of a surface of revolution that is symmetric in z, and faces with two poles.
+
+    Args:
+        widths, heights: of the rings of the upper half, from the equator up, meters.
+
+    Returns:
+        Vertices of all rings from the top; faces, with the poles as the next two vertices.
+    """
+    sines, cosines = _core.sin_cos(2 * math.pi / sides * np.arange(sides))
+    w, z = np.concatenate([widths[::-1], widths]), np.concatenate([heights[::-1], -heights])
+    rings = [np.outer(w, cosines), np.outer(w, sines), np.repeat(z[:, None], sides, axis=1)]
+    here = np.arange(sides)
+    there = np.roll(here, -1)
+    first = sides * np.arange(len(w) - 1)[:, None]
+    a, b = (first + here).ravel(), (first + there).ravel()
+    last, north = sides * (len(w) - 1), sides * len(w)
+    faces = [
+        np.column_stack([a + sides, b + sides, b]),
+        np.column_stack([a + sides, b, a]),
+        np.column_stack([0 * here + north, here, there]),
+        np.column_stack([0 * here + north + 1, last + there, last + here]),
+    ]
+    return np.stack(rings, axis=-1).reshape(-1, 3), np.vstack(faces)
+
+
+def _around_sphere(radius: float, error: float) -> tuple[float, Vertices, Faces]:
+    """A polyhedron around a sphere: the radius around it, its unit vertices, and its faces."""
     vertices, faces = _icosahedron()
     for _ in range(MAX_SUBDIVISIONS):
         vertices, faces = _subdivided(vertices, faces)
@@ -90,7 +170,7 @@ def sphere(
         outer = radius / float(nearest) * OUTWARD
         if outer - radius <= error:
             break
-    return Shape(outer * vertices, faces, name=name, **options), outer - radius
+    return outer, vertices, faces
 
 
 def _length(value: float, name: str) -> float:
