@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NoReturn
 
 from fgenv.collision.mesh_files import MeshSource
 from fgenv.collision.mesh_files.xml_tree import Element, parse_xml
@@ -42,3 +43,8 @@ def check_regular(path: Path, expected: str, max_bytes: int) -> None:
         raise error_type(f"path: {path} is a {kind}, expected {expected}")
     if path.stat().st_size > max_bytes:
         raise ValueError(f"path: {path}: got over {max_bytes:,} bytes, expected {expected}")
+
+
+def fail(path: Path, element: Element, received: str, expected: str) -> NoReturn:
+    """Raise the ValueError of an element: file, line, element, value received, value expected."""
+    raise ValueError(f"{path}: line {element.line}: {element}: {received}, expected {expected}")

@@ -11,11 +11,11 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 from fgenv.collision.mesh_files.xml_tree import Element
 
-from .documents import MAX_BYTES, check_regular, read_document
+from .documents import MAX_BYTES, check_regular, fail, read_document
 
 MAX_FILE_BYTES = 1 << 30  # of an asset
 MAX_ELEMENTS = 200_000  # with replicas
@@ -157,8 +157,3 @@ def _product(element: Element, keys: tuple[str, ...], file: Path) -> int:
         return int(math.prod(min(max(1.0, word), 1e12) for word in words))
     except ValueError:
         return fail(file, element, f"{', '.join(keys)}: got no number", "a number")
-
-
-def fail(file: Path, element: Element, received: str, expected: str) -> NoReturn:
-    """Raise the ValueError of an element."""
-    raise ValueError(f"{file}: line {element.line}: {element}: {received}, expected {expected}")
