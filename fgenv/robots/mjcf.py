@@ -28,7 +28,7 @@ from .mjcf_model import compiled_model, model_name
 from .mjcf_tree import Names, body_subtree, listed, robot_root
 from .robot_file import RobotFile
 
-WORLD = "world"  # link of a robot whose first body moves by joints
+WORLD = "world"  # root link, if joints move the robot's first body
 
 
 def read_mjcf(
@@ -43,8 +43,8 @@ def read_mjcf(
     """Read the robot of an MJCF file; needs mujoco: `pip install 'fgenv[mjcf]'`.
 
     The robot is the tree of bodies that has joints; bodies and geoms at rest are the scene, and
-    single free bodies beside a robot are objects. Pairs of links of <exclude>, and pairs whose
-    contype and conaffinity rule out contact, are allowed to touch.
+    single free bodies beside a robot are objects. Pairs of links may touch if <exclude> names
+    them, or if their contype and conaffinity rule out contact.
 
     Args:
         collision: True: use geoms that may collide; False: geoms of groups 0 to 2, which MuJoCo

@@ -23,7 +23,7 @@ MAX_ITEMS = 10_000_000  # rows times columns of a height field, and the like
 MAX_DEPTH = 16  # of files
 DEFORMABLE = ("deformable", "flex", "flexcomp")
 FOLDERS = ("assetdir", "meshdir", "texturedir")
-# Attributes whose product is the size of what MuJoCo allocates, by element.
+# Attributes by element; their product is the number of items that MuJoCo allocates.
 COUNTS = {
     "composite": ("count",),
     "hfield": ("nrow", "ncol"),
@@ -84,7 +84,7 @@ class DocumentCheck:
         return self.documents[path]
 
     def _check(self, place: Place) -> Iterator[Place]:
-        """Check an element; yield what it has inside, includes or attaches."""
+        """Check an element; yield its children, and the documents that it includes or attaches."""
         element, file = place.element, place.files[-1]
         self.elements += place.copies
         if self.elements > MAX_ELEMENTS:

@@ -137,7 +137,7 @@ def excluded_bodies(model: Any) -> set[tuple[int, int]]:
 def unmatched_bodies(
     model: Any, chosen: NDArray[np.bool_], bodies: Iterable[int]
 ) -> set[tuple[int, int]]:
-    """Pairs of bodies, in rising order, with chosen geoms whose masks all rule out contact."""
+    """Pairs of bodies, in rising order, between which the masks of chosen geoms rule out contact."""
     kept = {body: np.flatnonzero(chosen & (model.geom_bodyid == body)) for body in bodies}
     shaped = [body for body, geoms in kept.items() if len(geoms)]
     types, affinities = np.asarray(model.geom_contype), np.asarray(model.geom_conaffinity)

@@ -21,7 +21,7 @@ def compiled_model(path: Path, collision: bool, notes: list[str]) -> Any:
 
     Args:
         collision: a file of a mesh that is only seen may be missing.
-        notes: receives sentences on what is left out.
+        notes: receives sentences on omitted content.
 
     Raises:
         FileNotFoundError: the file, or a file that it refers to, does not exist.
@@ -101,7 +101,7 @@ def model_name(model: Any, path: Path) -> str:
 
 
 def _reduce(spec: Any, mujoco: Any) -> None:
-    """Keep bodies that MuJoCo would merge; drop what is only for pictures and simulation."""
+    """Keep bodies that MuJoCo would merge; drop parts for pictures and simulation."""
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
     spec.memory, spec.njmax, spec.nconmax = ARENA, -1, -1
@@ -121,12 +121,12 @@ def _error(path: Path, error: Exception) -> Exception:
     """The error of MuJoCo, with the file and the line first."""
     text = str(error)
     line = re.search(r"line(?: number=|\s+)(\d+)", text, re.IGNORECASE)
-    place = f"{path}: line {line[1]}" if line else f"path: {path}"
+    place = f"{path}: line {line[1]}" if line and int(line[1]) else f"path: {path}"
     if missing := re.search(r"[Ee]rror opening file '([^']*)'", text):
         return FileNotFoundError(f"{place}: got no file {missing[1]!r}; put it there")
     return ValueError(f"{place}: got {_one_line(text)}, expected {EXPECTED}")
 
 
 def _one_line(text: str) -> str:
-    short = re.sub(r"^(XML )?Error:\s*", "", text.strip())
+    short = re.sub(r"^((XML )?Error:\s*)+", "", text.strip())
     return re.sub(r"\s*\n\s*", "; ", short)[:300].rstrip(" .;")

@@ -55,7 +55,7 @@ def body_subtree(model: Any, first: int) -> list[int]:
 
 
 def robot_root(model: Any, root: str | None, notes: list[str]) -> int:
-    """The first body of the robot; a note names what is left out.
+    """The first body of the robot; a note names the rest.
 
     Args:
         root: its name; None: the only tree that may be the robot.

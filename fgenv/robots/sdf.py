@@ -52,7 +52,7 @@ def read_sdf(
 
     Raises:
         FileNotFoundError: the file, or a mesh in it, with the places searched.
-        ValueError: invalid content, or what is not read: several models, nested or included
+        ValueError: invalid content, or unsupported content: several models, nested or included
             models, planes, height maps, ball, screw and gearbox joints. Names file and line.
     """
     notes: list[str] = []

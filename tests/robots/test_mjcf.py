@@ -233,8 +233,9 @@ def test_names_that_files_omit_are_unique(tmp_path: Path) -> None:
 
 
 def two_hinges(first: str = "", second: str = "") -> str:
-    bodies = f"<body name='b'><joint name='a' {first}/>{BALL}<body name='c' pos='0 0 1'>"
-    return f"{bodies}<joint name='f' type='slide' axis='1 1 0' {second}/>{BALL}</body></body>"
+    outer = f"<body name='b'><joint name='a' {first}/>{BALL}<site name='x'/>"
+    inner = f"<joint name='f' type='slide' axis='1 1 0' {second}/>{BALL}<site name='y'/>"
+    return f"{outer}<body name='c' pos='0 0 1'>{inner}</body></body>"
 
 
 def test_a_linear_coupling_is_a_mimic_joint(tmp_path: Path) -> None:
@@ -248,6 +249,27 @@ def test_a_linear_coupling_is_a_mimic_joint(tmp_path: Path) -> None:
     np.testing.assert_allclose([multiplier, offset], [0.5, 0.4 - 0.5 * np.radians(20)])
     check_poses(tmp_path / "robot.xml")
     check_poses(tmp_path / "robot.xml", scale=2.0)
+
+
+TENDONS = """<tendon><fixed name='t'><joint joint='a' coef='2'/><joint joint='f' coef='-4'/></fixed>
+<fixed name='u'><joint joint='a' coef='1'/></fixed></tendon>"""
+
+
+@pytest.mark.parametrize("second", ["", "tendon2='u' polycoef='.1 3 0 0 0'"])
+def test_equalities_of_fixed_tendons_are_mimic_joints(tmp_path: Path, second: str) -> None:
+    """Grippers couple their fingers by tendons. MuJoCo's own residual of the constraint is 0."""
+    tail = f"{TENDONS}<equality><tendon tendon1='t' {second}/></equality>"
+    path = written(tmp_path, two_hinges("ref='20' range='-90 90'", "ref='.3'"), tail=tail)
+    robot = robot_of(read(path))
+    assert robot.nq == 1
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for value in (-0.3, 0.2):
+        set_coordinates(model, data, robot, np.array([value]), 1.0)
+        mujoco.mj_forward(model, data)
+        constraints = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        assert len(constraints) == 1
+        np.testing.assert_allclose(data.efc_pos[constraints], 0, atol=1e-12)
 
 
 def test_a_coupling_to_no_joint_locks_it(tmp_path: Path) -> None:
@@ -267,10 +289,12 @@ def test_a_coupling_to_no_joint_locks_it(tmp_path: Path) -> None:
         ("<connect name='loop' body1='c' body2='b' anchor='0 0 0'/>", "equality connect 'loop'"),
         ("<weld body1='c'/>", "equality weld 0"),
         ("<joint joint1='f' joint2='a'/><joint joint1='f'/>", "second coupling"),
+        ("<tendon tendon1='s'/>", "equality tendon 0 .*tendon in space"),
     ],
 )
 def test_other_constraints_are_refused_by_name(tmp_path: Path, constraint: str, name: str) -> None:
-    path = written(tmp_path, two_hinges(), tail=f"<equality>{constraint}</equality>")
+    line = "<tendon><spatial name='s'><site site='x'/><site site='y'/></spatial></tendon>"
+    path = written(tmp_path, two_hinges(), tail=f"{line}<equality>{constraint}</equality>")
     with pytest.raises(ValueError, match=name) as error:
         read(path)
     assert str(path) in str(error.value)
