@@ -9,6 +9,7 @@ from fgenv.collision.mesh_files import MeshSource
 from fgenv.collision.mesh_files.xml_tree import Element, parse_xml
 
 MAX_BYTES = 64_000_000
+MAX_LINKS = 2000  # pairs of links take time
 
 
 def read_document(path: Path, expected: str, max_bytes: int = MAX_BYTES) -> Element:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from fgenv.arrays import Floats
 
+from .documents import MAX_LINKS
 from .links_joints import Joint, Link
 from .mjcf_couplings import joint_couplings, tendon_bodies
 from .mjcf_geometry import Geometry, excluded_bodies, pose, unmatched_bodies
@@ -85,6 +86,10 @@ class _Reader:
     def __post_init__(self) -> None:
         self.names = Names(self.model)
         self.bodies = body_subtree(self.model, self.first)
+        if len(self.bodies) > MAX_LINKS:
+            raise ValueError(
+                f"worldbody: got {len(self.bodies)} bodies, expected {MAX_LINKS} at most"
+            )
         self.scale = self.geometry.scale
         couplings = joint_couplings(self.model, set(self.bodies), self.notes)
         self.joint_reader = JointReader(self.model, self.names, self.scale, couplings, self.notes)
@@ -93,12 +98,11 @@ class _Reader:
         """Return the robot."""
         chosen = self.geometry.chosen()
         kinds = joint_kinds(self.model, self.first)
-        base, mount = "free" if kinds == ["free"] else "fixed", np.eye(4)
+        base, place = "free" if kinds == ["free"] else "fixed", np.eye(4)
         root = self.names.bodies[self.first]
         if kinds in ([], ["free"]):
             self.links.append(Link(root, self.geometry.shapes(self.first, chosen)))
-            at = self._pose(self.first)
-            mount = at if base == "fixed" else mount
+            place = self._pose(self.first)
         else:
             self.links.append(Link(self.names.unused_body(WORLD)))
             self._add_body(self.first, self.links[0].name, chosen)
@@ -107,7 +111,8 @@ class _Reader:
             self._add_body(body, parent, chosen)
         self._note_rest(chosen)
         name, allowed = model_name(self.model, self.path), self._allowed(chosen)
-        return RobotFile(name, self.links, self.joints, base, mount, allowed, self.notes)
+        mount = place if base == "fixed" else np.eye(4)
+        return RobotFile(name, self.links, self.joints, base, mount, place, allowed, self.notes)
 
     def _pose(self, body: int) -> Floats:
         return pose(self.scale * self.model.body_pos[body], self.model.body_quat[body])

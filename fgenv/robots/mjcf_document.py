@@ -21,6 +21,7 @@ MAX_FILE_BYTES = 1 << 30  # of an asset
 MAX_ELEMENTS = 200_000  # with replicas
 MAX_ITEMS = 10_000_000  # rows times columns of a height field, and the like
 MAX_DEPTH = 16  # of files
+MAX_FOLDERS = 64
 DEFORMABLE = ("deformable", "flex", "flexcomp")
 FOLDERS = ("assetdir", "meshdir", "texturedir")
 # Attributes by element; their product is the number of items that MuJoCo allocates.
@@ -78,6 +79,8 @@ class DocumentCheck:
             self.documents[path] = read_document(path, "an MJCF file")
             for element in self.documents[path].below():
                 self.folders.update(dict.fromkeys(map(element.get, FOLDERS)))
+                if len(self.folders) > MAX_FOLDERS:
+                    fail(path, element, f"got over {MAX_FOLDERS} folders of assets", "fewer")
                 if element.tag == "model":
                     name = element.get("name") or Path(element.get("file")).stem
                     self.models.setdefault(name, []).append(element.get("file"))

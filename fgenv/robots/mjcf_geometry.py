@@ -17,6 +17,7 @@ from . import primitives
 from .links_joints import LinkShape
 from .urdf import rotation_of_quaternion
 
+MAX_MASKS = 1000  # different ones
 VISIBLE_GROUPS = 3  # MuJoCo's viewer shows groups 0 to 2 by default
 
 
@@ -137,15 +138,24 @@ def excluded_bodies(model: Any) -> set[tuple[int, int]]:
 def unmatched_bodies(
     model: Any, chosen: NDArray[np.bool_], bodies: Iterable[int]
 ) -> set[tuple[int, int]]:
-    """Pairs of bodies, in rising order, between which the masks of chosen geoms rule out contact."""
-    kept = {body: np.flatnonzero(chosen & (model.geom_bodyid == body)) for body in bodies}
-    shaped = [body for body, geoms in kept.items() if len(geoms)]
-    types, affinities = np.asarray(model.geom_contype), np.asarray(model.geom_conaffinity)
-    pairs = set()
-    for a, b in itertools.combinations(sorted(shaped), 2):
-        i, j = kept[a][:, None], kept[b][None, :]
-        if not ((types[i] & affinities[j]) | (types[j] & affinities[i])).any():
-            pairs.add((a, b))
+    """Pairs of bodies, in rising order, with chosen geoms that cannot touch by their masks."""
+    kinds: dict[int, set[tuple[int, int]]] = {body: set() for body in bodies}
+    for geom in np.flatnonzero(chosen):
+        if (body := int(model.geom_bodyid[geom])) in kinds:
+            kinds[body].add((int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])))
+    masks = {body: frozenset(kind) for body, kind in sorted(kinds.items()) if kind}
+    if sum(map(len, set(masks.values()))) > MAX_MASKS:
+        raise ValueError(
+            f"contype, conaffinity: got over {MAX_MASKS} sets of masks, expected fewer"
+        )
+    unmatched = {
+        (a, b)
+        for a, b in itertools.product(set(masks.values()), repeat=2)
+        if not any(s & v or t & u for (s, u), (t, v) in itertools.product(a, b))
+    }
+    pairs = {
+        (a, b) for a, b in itertools.combinations(masks, 2) if (masks[a], masks[b]) in unmatched
+    }
     of = np.asarray(model.geom_bodyid)
     explicit = of[explicit_geoms(model)].reshape(-1, 2)
     return pairs - {(min(a, b), max(a, b)) for a, b in explicit.tolist()}

@@ -21,6 +21,8 @@ class RobotFile:
         base: joint between the world and the root, as the file has it: `fixed`, `planar` or `free`.
         mount: (4, 4), the base's frame in the world, meters. Of a `free` base it is the identity:
             its coordinates are the root's pose in the world.
+        placement: (4, 4), the root's pose in the world where the file puts it, meters: the mount of
+            a base other than the file's.
         allowed: pairs of links that may touch, as the file says.
         notes: sentences on what the file has and the robot does not, or has otherwise.
     """
@@ -30,5 +32,6 @@ class RobotFile:
     joints: list[Joint]
     base: str = "fixed"
     mount: Floats = field(default_factory=lambda: np.eye(4))
+    placement: Floats = field(default_factory=lambda: np.eye(4))
     allowed: list[tuple[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

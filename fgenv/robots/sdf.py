@@ -7,7 +7,9 @@ to 1.12 define them. fgenv checks collisions between all links that no joint con
 
 from __future__ import annotations
 
+import functools
 import itertools
+import operator
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +20,7 @@ import numpy as np
 from fgenv.arrays import Floats
 from fgenv.collision.mesh_files.xml_tree import Element
 
-from .documents import fail
+from .documents import MAX_LINKS, fail
 from .links_joints import Joint, Link
 from .mesh_location import PackagePaths
 from .mesh_shapes import MeshShapes
@@ -83,12 +85,13 @@ class _Reader:
     def read(self) -> RobotFile:
         """Return the robot."""
         document, model = self.document, self.document.model
-        if not model.all("link"):
-            fail(document.path, model, "got no link", "a robot")
+        count = len(model.all("link"))
+        if not 1 <= count <= MAX_LINKS:
+            fail(document.path, model, f"got {count} links", f"1 to {MAX_LINKS}")
         links, allowed = self._links()
         static = document.flag(model, "static")
         joints = SdfJoints(document, self.frames, static, self._model_pose())
-        base, mount = self._connect(joints, static)
+        base, place = self._connect(joints, static)
         links += joints.links
         self._note(static, links)
         try:
@@ -96,22 +99,21 @@ class _Reader:
         except ValueError as error:
             raise ValueError(f"path: {document.path}: {error}") from None
         name = document.named(model)
-        return RobotFile(name, links, joints.joints, base, mount, allowed, document.notes)
+        mount = place if base == "fixed" else np.eye(4)
+        return RobotFile(name, links, joints.joints, base, mount, place, allowed, document.notes)
 
     def _links(self) -> tuple[list[Link], list[tuple[str, str]]]:
         """Links with shapes, and pairs of links with no bit in common."""
-        links, masks = [], {}
+        links: list[Link] = []
+        masks: dict[str, int] = {}
         for element in self.document.model.all("link"):
             self.document.check(element)
             shapes = self.geometry.of(element)
             name = self.document.named(element)
             links.append(Link(name, shapes.shapes))
-            masks[name] = shapes.masks
-        allowed = [
-            (a, b)
-            for a, b in itertools.combinations(masks, 2)
-            if masks[a] and masks[b] and not any(i & j for i in masks[a] for j in masks[b])
-        ]
+            if shapes.masks:
+                masks[name] = functools.reduce(operator.or_, shapes.masks)
+        allowed = [(a, b) for a, b in itertools.combinations(masks, 2) if not masks[a] & masks[b]]
         return links, allowed
 
     def _model_pose(self) -> Floats:
@@ -124,7 +126,7 @@ class _Reader:
         return pose @ inverse(self.frames.pose(placement, model)) if placement else pose
 
     def _connect(self, joints: SdfJoints, static: bool) -> tuple[str, Floats]:
-        """Add the joints; return the base and the mount.
+        """Add the joints; return the base and the root's place in the world.
 
         A model that more than one fixed joint holds in the world gets a link for the world.
         """
@@ -140,7 +142,7 @@ class _Reader:
                 joints.add(end.joint, end.parent, end.child, end.in_world)
         poses = [joints.model_pose @ self.frames.pose(root, document.model) for root in roots]
         if alone:
-            return ("fixed", poses[0]) if fixed else ("free", np.eye(4))
+            return "fixed" if fixed else "free", poses[0]
         if not (to_world or static):
             return "free", np.eye(4)
         joints.links.append(Link(WORLD))

@@ -16,6 +16,7 @@ from .urdf import rotation, rotation_of_quaternion
 
 MODEL = "__model__"
 WORLD = "world"
+MAX_FRAMES = 10_000
 
 
 class Frame(NamedTuple):
@@ -39,7 +40,10 @@ class Frames:
         self.frames: dict[str, Frame] = {}
         self.elements: dict[str, Element] = {}
         self.poses: dict[str, Floats] = {MODEL: np.eye(4)}
-        for element in document.model.all("link", "joint", "frame"):
+        elements = document.model.all("link", "joint", "frame")
+        if len(elements) > MAX_FRAMES:
+            fail(document.path, document.model, f"got {len(elements)} frames", f"{MAX_FRAMES}")
+        for element in elements:
             name = unique(document, self.elements, element)
             self.elements[name] = element
             self.frames[name] = self._frame(element)
@@ -60,15 +64,15 @@ class Frames:
         Args:
             source: the element that names the frame, for messages.
         """
-        chain: list[tuple[str, Floats]] = []
+        chain: dict[str, Floats] = {}
         while name not in self.poses:
             frame = self._known(name, source)
-            if any(name == earlier for earlier, _ in chain):
+            if name in chain:
                 fail(self.document.path, source, f"got a loop of poses at {name!r}", "a tree")
             base, pose = self.relative(frame.element, frame.default)
-            chain.append((name, pose))
+            chain[name] = pose
             name, source = base, frame.element
-        for inner, pose in reversed(chain):
+        for inner, pose in reversed(chain.items()):
             self.poses[inner] = self.poses[name] @ pose
             name = inner
         return self.poses[name]

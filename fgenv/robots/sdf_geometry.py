@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from fgenv.collision import Shape
@@ -15,7 +15,14 @@ from .mesh_shapes import MeshShapes
 from .sdf_document import SdfDocument
 from .sdf_frames import Frames, inverse
 
-GEOMETRIES = ("box", "capsule", "cylinder", "ellipsoid", "mesh", "sphere")
+SIZES = {
+    "box": ("size",),
+    "capsule": ("radius", "length"),
+    "cylinder": ("radius", "length"),
+    "ellipsoid": ("radii",),
+    "sphere": ("radius",),
+}
+GEOMETRIES = tuple(sorted([*SIZES, "mesh"]))
 ALL_BITS = 0xFFFF  # collide_bitmask by default
 
 
@@ -42,6 +49,7 @@ class SdfGeometry:
     collision: bool
     error: float
     options: dict[str, Any]
+    solids: dict[tuple[Any, ...], tuple[Shape, float]] = field(default_factory=dict)
 
     def of(self, link: Element) -> SdfShapes:
         """Shapes of a link.
@@ -86,23 +94,27 @@ class SdfGeometry:
     def _shape(self, form: Element, label: str) -> tuple[Shape, float]:
         if form.tag == "mesh":
             return self._mesh(form, label), 0.0
-        try:
-            if form.tag == "box":
-                return primitives.box(self._lengths(form, "size", 3), **self.options), 0.0
-            if form.tag == "ellipsoid":
-                radii = self._lengths(form, "radii", 3)
-                return primitives.ellipsoid(radii, self.error, **self.options)
-            radius = self._lengths(form, "radius", 1)[0]
-            if form.tag == "sphere":
-                return primitives.sphere(radius, self.error, **self.options)
-            make = primitives.capsule if form.tag == "capsule" else primitives.cylinder
-            return make(radius, self._lengths(form, "length", 1)[0], self.error, **self.options)
-        except ValueError as error:
-            if str(error).startswith(str(self.document.path)):
-                raise
-            raise ValueError(f"{label}: line {form.line}: {error}") from None
+        sizes = tuple(x for tag in SIZES[form.tag] for x in self._lengths(form, tag))
+        key = (form.tag, *sizes)
+        if key not in self.solids:
+            try:
+                self.solids[key] = self._solid(form.tag, sizes)
+            except ValueError as error:
+                raise ValueError(f"{label}: line {form.line}: {error}") from None
+        return self.solids[key]
 
-    def _lengths(self, form: Element, tag: str, count: int) -> list[float]:
+    def _solid(self, kind: str, sizes: tuple[float, ...]) -> tuple[Shape, float]:
+        if kind == "box":
+            return primitives.box(sizes, **self.options), 0.0
+        if kind == "ellipsoid":
+            return primitives.ellipsoid(sizes, self.error, **self.options)
+        if kind == "sphere":
+            return primitives.sphere(sizes[0], self.error, **self.options)
+        make = primitives.capsule if kind == "capsule" else primitives.cylinder
+        return make(sizes[0], sizes[1], self.error, **self.options)
+
+    def _lengths(self, form: Element, tag: str) -> list[float]:
+        count = 1 if tag in ("radius", "length") else 3
         values = self.document.numbers(form, self.document.text(form, tag), (count,))
         return [self.meshes.scale * x for x in values]
 

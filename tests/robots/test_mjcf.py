@@ -208,6 +208,15 @@ def test_a_free_joint_makes_a_free_base_with_poses_in_the_world(tmp_path: Path) 
     assert robot.base == "free"
     q = [4, 5, 6, 0, 0, 0, 1]
     np.testing.assert_array_equal(robot.forward(q, "b")[:3, 3], [4, 5, 6])
+    file = read(tmp_path / "robot.xml")
+    np.testing.assert_array_equal(file.mount, np.eye(4))
+    np.testing.assert_array_equal(file.placement[:3, 3], [1, 2, 3])
+
+
+def test_files_in_folders_with_any_name(tmp_path: Path) -> None:
+    folder = tmp_path / "größe 1"
+    folder.mkdir()
+    assert loaded(folder, ARM).nq == 2
 
 
 def test_several_joints_of_a_body_are_links_in_their_order(tmp_path: Path) -> None:

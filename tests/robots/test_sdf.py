@@ -268,6 +268,13 @@ def test_a_mimic_follows_from_its_reference(tmp_path: Path) -> None:
     assert offset == pytest.approx(0.1)  # 2 (q - 0.1) + 0.3
 
 
+def test_a_free_base_has_the_place_of_the_file(tmp_path: Path) -> None:
+    file = read(written(tmp_path, "<pose>1 2 3 0 0 0</pose>" + link("a", "0 0 1 0 0 0")))
+    assert file.base == "free"
+    np.testing.assert_array_equal(file.mount, np.eye(4))
+    np.testing.assert_array_equal(file.placement[:3, 3], [1, 2, 4])
+
+
 def test_a_static_model_does_not_move(tmp_path: Path) -> None:
     model = "<static>true</static><pose>0 0 5 0 0 0</pose>" + TWO
     robot = loaded(tmp_path, model + joint("j", "revolute", "a", "b"))
@@ -399,7 +406,7 @@ def test_bits_of_contacts_allow_collisions(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("model", "match"),
     [
-        ("", "got no link"),
+        ("", "got 0 links"),
         (TWO, "links 'a', 'b': got no joint to a parent"),
         (TWO.replace("</link>", "<colision/></link>", 1), "<colision>.*did you mean <collision>"),
         (TWO + joint("j", "ball", "a", "b"), "type: got 'ball'.*three revolute joints"),
