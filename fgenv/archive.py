@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.npz import LIMIT, Header, open_npz
+from fgenv.printable import printable
 from fgenv.saving import atomic
 
 Texts = Mapping[str, str]
@@ -106,8 +107,12 @@ class Archive:
             if format != self.format or id != self.id(texts, arrays):
                 raise ValueError("id")
             return read(texts, arrays)
-        except (FileNotFoundError, IsADirectoryError, PermissionError, self.error):
+        except (FileNotFoundError, IsADirectoryError, PermissionError):
             raise
+        except self.error as error:
+            if str(path) in str(error):
+                raise
+            raise self.error(f"{path}: {printable(str(error))}") from error
         except Exception as error:  # zip, zlib, NumPy, JSON and pydantic each have their own
             message = f"{path}: is damaged, or no {self.kind}; {self.remedy}"
             raise self.error(message) from error

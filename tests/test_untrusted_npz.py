@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import struct
 import tracemalloc
 import zipfile
@@ -151,20 +150,6 @@ def test_other_compressions_and_comments_are_refused(tmp_path: Path) -> None:
         archive.comment = b"PK"
     with pytest.raises(NpzError, match="table"), open_npz(path):
         pass
-
-
-@pytest.mark.parametrize(("load", "error"), LOADERS)
-def test_only_regular_files_are_read(
-    tmp_path: Path, load: Callable[[Path], Any], error: type[Exception]
-) -> None:
-    pipe = tmp_path / "pipe.npz"
-    os.mkfifo(pipe)  # a read of it would wait forever
-    with pytest.raises(error):
-        load(pipe)
-    folder = tmp_path / "folder.npz"
-    folder.mkdir()
-    with pytest.raises(IsADirectoryError):
-        load(folder)
 
 
 @given(data=st.data())

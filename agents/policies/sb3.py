@@ -56,7 +56,7 @@ class Sb3Policy(BasePolicy):
         about: dict[str, Any] = {"observation": None, "actions": "drive"}
         settings = path.with_suffix(".json")
         if settings.exists():
-            about |= read_sidecar(settings, lambda: dict(json.loads(settings.read_text("utf-8"))))
+            about |= read_sidecar(settings, lambda: dict(json.loads(read_pickle(settings))))
         self._controller = ResidualController(ResidualConfig.of(about))
         self.actions: Any = about["actions"]
         if about["observation"] is not None:

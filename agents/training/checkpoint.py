@@ -10,8 +10,10 @@ from typing import Any
 
 from fgenv.agents.policies.residual import ResidualConfig
 from fgenv.agents.training.validation import EvaluationResult
+from fgenv.regular_file import read_regular
 from fgenv.saving import save_text
 
+MAX_BYTES = 1 << 24
 COLUMNS = tuple(column.name for column in fields(EvaluationResult))
 
 
@@ -66,6 +68,14 @@ class Checkpoint:
         settings = {name: about[name] for name in names}
         save_text(self._settings, json.dumps(settings))
 
+    def _read_state(self) -> dict[str, Any]:
+        try:
+            state = json.loads(read_regular(self._state, "the state of a training", MAX_BYTES))
+            return {"steps": int(state["steps"]), "best": state["best"], **state}
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
+            text = f"--resume: {self._state} is damaged ({error}); omit --resume"
+            raise ValueError(text) from None
+
     def save_state(
         self, settings: Mapping[str, Any], steps: int, best: EvaluationResult | None
     ) -> None:
@@ -81,7 +91,7 @@ class Checkpoint:
         """
         if not self._state.exists():
             raise ValueError(f"--resume: got {self.folder}, which has no training; omit --resume")
-        state = json.loads(self._state.read_text(encoding="utf-8"))
+        state = self._read_state()
         for name, value in json.loads(json.dumps(settings, default=list)).items():
             if state.get(name) != value:
                 raise ValueError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import time
 from collections.abc import Iterator, Sequence
@@ -14,12 +15,15 @@ import numpy as np
 import typer
 
 from fgenv.cli.progress import progress
+from fgenv.regular_file import read_regular
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from fgenv.confidence import Estimate
     from fgenv.scenarios import Scenario
+
+MAX_BYTES = 1 << 28
 
 
 @dataclass(frozen=True)
@@ -137,17 +141,17 @@ def read_attempts(table: Path | None) -> Iterator[Attempt]:
     """
     if table is None or not table.exists():
         return
-    with table.open(encoding="utf-8", newline="") as file:
-        rows = csv.DictReader(file)
-        if rows.fieldnames is None or tuple(rows.fieldnames) != COLUMNS:
-            raise ValueError(f"--csv: {table} has other columns, expected {', '.join(COLUMNS)}")
-        for row in rows:
-            try:
-                makespan, cost = (float(row[k]) if row[k] else None for k in COLUMNS[5:7])
-                key = row["setting"], row["planner"], int(row["seed"]), row["solved"] == "True"
-                yield Attempt(*key, float(row["seconds"]), makespan, cost, row["reason"])
-            except (TypeError, ValueError):  # the last line of a run that was killed
-                continue
+    content = read_regular(table, "a CSV file of attempts", MAX_BYTES)
+    rows = csv.DictReader(io.StringIO(content.decode("utf-8", "replace"), newline=""))
+    if rows.fieldnames is None or tuple(rows.fieldnames) != COLUMNS:
+        raise ValueError(f"--csv: {table} has other columns, expected {', '.join(COLUMNS)}")
+    for row in rows:
+        try:
+            makespan, cost = (float(row[k]) if row[k] else None for k in COLUMNS[5:7])
+            key = row["setting"], row["planner"], int(row["seed"]), row["solved"] == "True"
+            yield Attempt(*key, float(row["seconds"]), makespan, cost, row["reason"])
+        except (TypeError, ValueError):  # the last line of a run that was killed
+            continue
 
 
 def append(table: Path | None, result: Attempt) -> None:

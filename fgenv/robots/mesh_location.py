@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
 
-from fgenv.collision.mesh_files import MeshSource
-from fgenv.collision.mesh_files.xml_tree import parse_xml
+from .documents import read_document
 
 PACKAGE_SCHEMES = ("package://", "model://")
 MAX_PACKAGES = 1000  # folders whose package.xml is read
+MAX_PACKAGE_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,7 @@ def _named_by_xml(package: str, folders: Iterable[Path]) -> Iterator[Path]:
 def _package_name(file: Path) -> str | None:
     """The name in a package.xml; None for a file without one."""
     try:
-        data = file.read_bytes()
-        name = parse_xml(MeshSource(file, ".xml", data), data).first("name")
+        name = read_document(file, "a package.xml", MAX_PACKAGE_BYTES).first("name")
     except (OSError, ValueError):
         return None
     return None if name is None else name.text.strip()

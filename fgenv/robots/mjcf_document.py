@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fgenv.collision.mesh_files.xml_tree import Element
+from fgenv.regular_file import check_regular
 
-from .documents import MAX_BYTES, check_regular, fail, read_document
+from .documents import MAX_BYTES, fail, read_document
 
 MAX_FILE_BYTES = 1 << 30  # of an asset
 MAX_ELEMENTS = 200_000  # with replicas

@@ -151,7 +151,10 @@ class Reader:
             mesh_data = read_mesh_file(file, self.scale)
             faces = mesh_data.faces[:, ::-1] if np.prod(scale) < 0 else mesh_data.faces
             vertices = mesh_data.vertices * scale  # in meters
-            self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
+            try:
+                self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
+            except ValueError as error:
+                raise ValueError(f"{self.path}: link {link!r}: {file}: {error}") from None
         return self.meshes[key]
 
 

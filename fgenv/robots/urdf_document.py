@@ -8,6 +8,8 @@ import re
 from pathlib import Path
 from typing import Any, NoReturn
 
+from fgenv.regular_file import read_regular
+
 from .links_joints import JOINT_KINDS, number_of
 
 MAX_BYTES = 64_000_000
@@ -39,7 +41,7 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
             f"to read URDF, {error.name} is needed; remedy: pip install 'fgenv[urdf]'",
             name=error.name,
         ) from None
-    text = _content(path)
+    text = read_regular(path, "a URDF file", MAX_BYTES)
     declared = DECLARATION.match(text)
     if declared and declared[3] != b"1.0":  # PyBullet's data have version 0.0
         version = declared[3].decode(errors="replace")
@@ -50,6 +52,8 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
         root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:  # nothing to recover
         raise ValueError(f"path: {path}: got {error.msg}, expected a URDF file") from None
+    if root is not None and root.getroottree().docinfo.doctype:
+        raise ValueError(f"path: {path}: got a document type, expected XML without; remove it")
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
             raise ValueError(f"path: {path}: line {fault.line}: got {fault.message}, expected XML")
@@ -63,23 +67,6 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
         raise ValueError(f"path: {path}: got {came}, expected a URDF file: <robot>")
     _remove_foreign(root, path, notes)
     return root
-
-
-def _content(path: Path) -> bytes:
-    """The bytes of a file.
-
-    Raises:
-        FileNotFoundError: no such file.
-        ValueError: no regular file, or one that is too large.
-    """
-    if not path.exists():
-        raise FileNotFoundError(f"path: {path} does not exist, expected a URDF file")
-    if not path.is_file():
-        what = "folder" if path.is_dir() else "device or pipe"
-        raise FileNotFoundError(f"path: {path} is a {what}, expected a URDF file")
-    if path.stat().st_size > MAX_BYTES:
-        raise ValueError(f"path: {path}: got over {MAX_BYTES:,} bytes, expected a URDF file")
-    return path.read_bytes()
 
 
 def _remove_foreign(root: Any, path: Path, notes: list[str]) -> None:

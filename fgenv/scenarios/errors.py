@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fgenv.printable import printable
+
 Location = tuple[str | int, ...]
 
 
@@ -31,7 +33,7 @@ class Problem:
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line else ""
         name = f"{self.where}: " if self.where else ""
-        return f"{place}{name}{self.text}" + (f"; {self.remedy}" if self.remedy else "")
+        return printable(f"{place}{name}{self.text}" + (f"; {self.remedy}" if self.remedy else ""))
 
 
 class ScenarioError(ValueError):

@@ -17,6 +17,7 @@ TEXT = PREFIX + "str"
 AMBIGUOUS = "ambiguous"
 DIFFERENCE = "YAML 1.1 and YAML 1.2 read differently"
 MERGE = "<<"
+MAX_DEPTH = 200  # of [ and {
 MAX_ALIASED = 100_000  # nodes that aliases may add to a file
 
 INT = re.compile(r"[-+]?(?:0|[1-9][0-9]*)|0o[0-7]+|0x[0-9a-fA-F]+")
@@ -46,6 +47,12 @@ RESOLVERS = (  # tag, pattern, first characters
 
 class Loader(yaml.SafeLoader):
     """Loads plain values of the core schema."""
+
+    def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
+        """Begin [ or {. PyYAML's time is the square of the depth, libyaml has a limit as well."""
+        if self.flow_level >= MAX_DEPTH:
+            raise yaml.scanner.ScannerError(None, None, "is nested too deep", self.get_mark())
+        super().fetch_flow_collection_start(token)
 
 
 class FastLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from oracles.solids import angle_iron, at, box
+from oracles.solids import at, box
 
 from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 
@@ -111,28 +111,6 @@ def test_bad_choices(make: Callable[..., Any], case: str) -> None:
 # Files
 
 
-def test_a_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError) as caught:
-        Shape.load(tmp_path / "none.stl")
-    says(caught.value, "none.stl", "not exist|no such")
-
-
-def test_a_folder(tmp_path: Path) -> None:
-    (tmp_path / "folder.stl").mkdir()
-    with pytest.raises((FileNotFoundError, ValueError)) as caught:
-        Shape.load(tmp_path / "folder.stl")
-    says(caught.value, "folder.stl", "folder")
-
-
-@pytest.mark.parametrize("extension", ["stl", "obj", "ply", "off", "glb", "dae"])
-def test_an_empty_file(extension: str, tmp_path: Path) -> None:
-    path = tmp_path / f"empty.{extension}"
-    path.touch()
-    with pytest.raises(ValueError, match="empty") as caught:
-        Shape.load(path)
-    says(caught.value, f"empty.{extension}")
-
-
 @pytest.mark.parametrize("extension", ["stl", "obj", "ply", "off", "glb", "dae"])
 @pytest.mark.parametrize("content", [b"not a mesh at all\n", b"\x00\xff" * 100, b"ply\nformat x\n"])
 def test_a_file_of_something_else(extension: str, content: bytes, tmp_path: Path) -> None:
@@ -141,22 +119,6 @@ def test_a_file_of_something_else(extension: str, content: bytes, tmp_path: Path
     with pytest.raises(ValueError, match="wrong") as caught:
         Shape.load(path)
     says(caught.value, f"wrong.{extension}")
-
-
-@pytest.mark.parametrize("extension", ["stl", "ply", "off", "glb", "dae", "obj"])
-def test_a_truncated_file(extension: str, tmp_path: Path) -> None:
-    """A file cut at any place is read in part or raises an error."""
-    trimesh.Trimesh(*angle_iron()).export(tmp_path / f"whole.{extension}")
-    whole = (tmp_path / f"whole.{extension}").read_bytes()
-    path = tmp_path / f"cut.{extension}"
-    for share in np.linspace(0.05, 0.95, 7):
-        path.write_bytes(whole[: int(share * len(whole))])
-        try:
-            shape = Shape.load(path)
-        except ValueError as error:
-            says(error, f"cut.{extension}")
-        else:
-            assert len(shape.faces) > 0
 
 
 def test_an_unknown_format(tmp_path: Path) -> None:

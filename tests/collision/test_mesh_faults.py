@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import os
 import re
 import socket
 import struct
@@ -92,36 +91,18 @@ def test_a_format_under_the_suffix_of_another(data: bytes, words: str, tmp_path:
         refused(write(tmp_path, f"part.{suffix}", data), words)
 
 
-@pytest.mark.parametrize("suffix", [*FORMATS, "gz", "zip"])
-def test_only_regular_files_are_read(suffix: str, tmp_path: Path) -> None:
-    """A pipe without a writer would block for ever, a device would never end."""
-    pipe = tmp_path / f"pipe.{suffix}"
-    os.mkfifo(pipe)
-    refused(pipe, "pipe or a device", "regular file")
-    for i, target in enumerate((pipe, Path("/dev/zero"), Path("/dev/null"))):
-        link = tmp_path / f"link{i}.{suffix}"
-        link.symlink_to(target)
-        refused(link, "pipe or a device")
-    (tmp_path / f"folder.{suffix}").mkdir()
-    refused(tmp_path / f"folder.{suffix}", "is a folder")
-    refused(tmp_path / f"none.{suffix}", "does not exist")
-    loop = tmp_path / f"loop.{suffix}"
-    loop.symlink_to(loop)
-    refused(loop, "cannot be read|does not exist")
-
-
 def test_a_socket(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # the path of a socket has at most 107 bytes
     with socket.socket(socket.AF_UNIX) as server:
         server.bind("part.stl")
-        refused(Path("part.stl"), "pipe or a device|socket")
+        refused(Path("part.stl"), "device or pipe")
 
 
 def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "part.stl"
     with path.open("wb") as file:
         file.truncate(files.MAX_BYTES + 1)
-    refused(path, "4096 MiB|at most 4096", "split")
+    refused(path, "has 4,294,967,297 bytes", "at most")
 
 
 @pytest.mark.parametrize(

@@ -177,7 +177,7 @@ FAULTS: dict[str, tuple[bytes, str]] = {
     "no relations": (zipped({"3D/3dmodel.model": model(box_object())}), "_rels/.rels"),
     "no start part": (zipped({"_rels/.rels": "<Relationships/>"}), "0 start parts"),
     "no model": (zipped({"_rels/.rels": RELATIONS, "3D/3dmodel.model": "<a/>"}), "<a>"),
-    "entities": (edited("<model", f"{BOMB}<model"), "entity"),
+    "entities": (edited("<model", f"{BOMB}<model"), "document type"),
     "truncated XML": (edited("</model>", ""), "malformed XML"),
     "truncated zip": (threemf(model(box_object()))[:-30], "zip"),
     "not a zip": (b"solid a", "zip"),

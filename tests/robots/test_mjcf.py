@@ -501,7 +501,7 @@ def test_excluded_bodies_may_touch(tmp_path: Path) -> None:
         ("<mujocoinclude/>", "give the file that includes it"),
         ("<mujoco>\n<foo/></mujoco>", "line 2: .*unrecognized element.*foo"),
         ("<mujoco>\n<worldbody>\n<body><geom size='a'/></body></worldbody></mujoco>", "line 3"),
-        ("<!DOCTYPE m [<!ENTITY e 'x'>]><mujoco model='&e;'/>", "entity"),
+        ("<!DOCTYPE m [<!ENTITY e 'x'>]><mujoco model='&e;'/>", "document type"),
         ("<mujoco><worldbody><body pos='nan 0 0'/></worldbody></mujoco>", "pos: got NaN"),
         ("<mujoco><include file='robot.xml'/></mujoco>", "includes or attaches itself"),
         ("<mujoco><include file='/dev/zero'/></mujoco>", "device or pipe"),

@@ -473,7 +473,7 @@ def test_invalid_models_give_one_error_with_the_file(
         ("<sdf version='1.9'/>", "got 0 models"),
         ("<sdf version='1.9'><model name='a'/><model name='b'/></sdf>", "got 2 models"),
         ("<sdf version='1.9'><world><include/></world></sdf>", "1 includes"),
-        ("<!DOCTYPE m [<!ENTITY e 'x'>]><sdf version='1.9'>&e;</sdf>", "entity"),
+        ("<!DOCTYPE m [<!ENTITY e 'x'>]><sdf version='1.9'>&e;</sdf>", "document type"),
     ],
 )
 def test_invalid_documents_give_one_error(tmp_path: Path, text: str, match: str) -> None:

@@ -343,9 +343,9 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
         Robot.from_urdf(written(tmp_path, "", "empty.urdf"))
     with pytest.raises(ValueError, match=r"expected XML|expected a URDF file"):
         Robot.from_urdf(written(tmp_path, "solid x", "mesh.urdf"))
-    with pytest.raises(FileNotFoundError, match=r"srdf: .* does not exist"):
+    with pytest.raises(FileNotFoundError, match=r"path: .* does not exist, expected an SRDF file"):
         Robot.from_urdf(arm, srdf=tmp_path / "none.srdf")
-    with pytest.raises(ValueError, match=r"srdf: .*, expected XML"):
+    with pytest.raises(ValueError, match=r"path: .*malformed XML"):
         Robot.from_urdf(arm, srdf=written(tmp_path, "no", "arm.srdf"))
     with pytest.raises(ValueError, match="scale: got 0, expected a factor over 0"):
         Robot.from_urdf(arm, scale=0)

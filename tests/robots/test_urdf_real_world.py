@@ -181,11 +181,3 @@ def test_encoded_names_and_file_uris(tmp_path: Path) -> None:
         f"file://{mesh}",
     ):
         assert len(robot(tmp_path, with_mesh(uri)).parts) == 1
-
-
-def test_files_that_are_no_regular_files(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="is a folder, expected a URDF file"):
-        Robot.from_urdf(tmp_path)
-    (tmp_path / "device.urdf").symlink_to("/dev/zero")
-    with pytest.raises(FileNotFoundError, match="is a device or pipe, expected a URDF file"):
-        Robot.from_urdf(tmp_path / "device.urdf")

@@ -153,7 +153,7 @@ def test_transparent_and_colored_pixels(tmp_path: Path) -> None:
         ({"mode": "trinry"}, "mode: is 'trinry'; did you mean 'trinary'"),
         ({"free_thresh": 0.9}, "free_thresh: is 0.9, with occupied_thresh 0.65"),
         ({"image": "none.pgm"}, "image: 'none.pgm' does not exist"),
-        ({"image": "m.yaml"}, "image: cannot be read"),
+        ({"image": "m.yaml"}, "image: 'm.yaml' is no image"),
     ],
 )
 def test_maps_that_are_refused(fields: Any, message: str, tmp_path: Path) -> None:
@@ -170,7 +170,7 @@ def test_a_truncated_image_is_refused(tmp_path: Path) -> None:
     path = ros_map(tmp_path, np.zeros((20, 20), dtype=np.uint8))
     data = (tmp_path / "m.pgm").read_bytes()
     (tmp_path / "m.pgm").write_bytes(data[:-5])
-    with pytest.raises(ScenarioError, match="image: cannot be read"):
+    with pytest.raises(ScenarioError, match=r"image: .* cannot be read"):
         Scenario.load(path)
 
 

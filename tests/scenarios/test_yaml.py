@@ -185,11 +185,3 @@ def test_values_of_options(text: str, value: Any) -> None:
 def test_values_of_options_that_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="got"):
         load_value(text)
-
-
-def test_only_regular_files_are_read(tmp_path: Path) -> None:
-    import os
-
-    os.mkfifo(tmp_path / "pipe.yaml")
-    (problem,) = validate(tmp_path / "pipe.yaml")
-    assert "is no regular file" in problem.text

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
 import zlib
 from collections.abc import Collection
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from .content import MeshSource
 
 MAX_RATIO = 200  # of unpacked to packed size; meshes as text stay under 30
 SMALL = 16 << 20  # bytes that are unpacked at any ratio
 PIECE = 1 << 20
+DAMAGE = (  # errors of zipfile
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError),
+    *(NotImplementedError, RuntimeError),
+)
 
 
 def gunzip(source: MeshSource, limit: int) -> MeshSource:
@@ -60,9 +65,13 @@ def unzip_one(source: MeshSource, formats: Collection[str], limit: int) -> MeshS
 def open_zip(source: MeshSource) -> zipfile.ZipFile:
     """The directory of a zip archive, before anything is inflated."""
     try:
-        return zipfile.ZipFile(io.BytesIO(source.data))
-    except (zipfile.BadZipFile, NotImplementedError, ValueError, OSError):
+        archive = zipfile.ZipFile(io.BytesIO(source.data))
+    except DAMAGE:
         source.fail("a damaged zip archive", "a complete file; copy or download it again")
+    for name in archive.namelist():
+        if ".." in PureWindowsPath(name).parts or PureWindowsPath(name).anchor:
+            source.fail(f"the member {name[:60]!r} outside the archive", "relative names")
+    return archive
 
 
 def read_member(
@@ -77,7 +86,7 @@ def read_member(
     try:
         with archive.open(member) as file:
             content = file.read(member.file_size + 1)
-    except (zipfile.BadZipFile, NotImplementedError, zlib.error, EOFError, OSError, RuntimeError):
+    except DAMAGE:
         content = b""
     if len(content) != member.file_size:
         source.fail(

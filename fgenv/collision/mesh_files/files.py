@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from collections.abc import Collection
 from pathlib import Path
+
+from fgenv.regular_file import check_regular, read_regular
 
 from .archive import gunzip, unzip_one
 from .content import MeshSource
@@ -75,9 +75,9 @@ def open_mesh(path: Path, formats: Collection[str]) -> MeshSource:
     """
     source = MeshSource(path, path.suffix.lower(), b"")
     if source.suffix not in {*formats, ".gz", ".zip"} and not path.is_dir():
-        _existing(path)
+        check_regular(path, "a mesh file", MAX_BYTES)
         refuse_suffix(source, formats)
-    source = MeshSource(path, source.suffix, read_regular(path))
+    source = MeshSource(path, source.suffix, read_mesh_bytes(path))
     if source.suffix == ".gz":
         source = gunzip(source, MAX_BYTES)
     elif source.suffix == ".zip":
@@ -96,36 +96,12 @@ def refuse_suffix(source: MeshSource, formats: Collection[str]) -> None:
     source.fail(f"an unknown format ({name})", f"one of {known}; {remedy}")
 
 
-def read_regular(path: Path) -> bytes:
-    """Content of a regular file: no folder, pipe or device, which could block or never end."""
-    _existing(path)
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    with os.fdopen(descriptor, "rb") as file:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise ValueError(f"path: {path} is a pipe or a device, expected a regular file")
-        if status.st_size == 0:
-            raise ValueError(f"path: {path} is empty, expected a mesh file")
-        if status.st_size > MAX_BYTES:
-            raise ValueError(
-                f"path: {path} has {status.st_size >> 20} MiB, expected at most"
-                f" {MAX_BYTES >> 20}; split the mesh"
-            )
-        return file.read(status.st_size)
-
-
-def _existing(path: Path) -> None:
-    try:
-        mode = path.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        raise FileNotFoundError(f"path: {path} does not exist, expected a mesh file") from None
-    except (OSError, ValueError) as error:  # a loop of links, no permission, a null character
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ValueError(f"path: {path} cannot be read ({reason})") from None
-    if stat.S_ISDIR(mode):
-        raise FileNotFoundError(f"path: {path} is a folder, expected a mesh file")
-    if not stat.S_ISREG(mode):
-        raise ValueError(f"path: {path} is a pipe or a device, expected a regular file")
+def read_mesh_bytes(path: Path) -> bytes:
+    """Content of a regular file that is not empty."""
+    data = read_regular(path, "a mesh file", MAX_BYTES)
+    if not data:
+        raise ValueError(f"path: {path} is empty, expected a mesh file")
+    return data
 
 
 def _check_content(source: MeshSource) -> None:

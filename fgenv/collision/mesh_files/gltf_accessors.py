@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fgenv.arrays import Floats, Ints
 
-from .files import read_regular
+from .files import read_mesh_bytes
 from .gltf_document import GltfDocument, Item
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -152,9 +152,18 @@ class AccessorReader:
             document.fail(name, "no data", "a uri, or the binary chunk of a GLB")
         if length > len(data):
             document.fail(
-                name, f"{len(data)} bytes", f"the {length} bytes of its byteLength; it is truncated"
+                name,
+                f"{len(data)} bytes{_source(buffer)}",
+                f"the {length} bytes of its byteLength; it is truncated",
             )
         return data[:length]
+
+
+def _source(buffer: Item) -> str:
+    """The file of a buffer, for messages."""
+    uri = buffer.get("uri")
+    outside = isinstance(uri, str) and uri[:5].lower() != "data:"
+    return f" in the file {str(uri)[:80]!r}" if outside else ""
 
 
 def uri_content(document: GltfDocument, uri: object, place: str) -> bytes:
@@ -168,7 +177,7 @@ def uri_content(document: GltfDocument, uri: object, place: str) -> bytes:
         document.fail(f"{place}: uri", repr(shown), "a path relative to the glTF file")
     path = document.source.path.parent / unquote(uri)
     try:
-        return read_regular(path)
+        return read_mesh_bytes(path)
     except (FileNotFoundError, ValueError) as error:
         reason = str(error).partition(", expected")[0].removeprefix("path: ")
         document.fail(place, f"a file that cannot be read ({reason})", "the buffer's data")

@@ -74,7 +74,7 @@ def parse_xml(
         part: name of the document within an archive, for messages.
 
     Raises:
-        ValueError: malformed XML, an entity declaration, or elements nested too deeply.
+        ValueError: malformed XML, a document type, or elements nested too deeply.
     """
     return _Builder(source, rows or {}, part).parse(data)
 
@@ -94,7 +94,7 @@ class _Builder:
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._text
-        self.parser.EntityDeclHandler = self._entity
+        self.parser.StartDoctypeDeclHandler = self._document_type
         self.parser.StartNamespaceDeclHandler = self._namespace
 
     def parse(self, data: bytes) -> Element:
@@ -153,8 +153,9 @@ class _Builder:
     def _namespace(self, prefix: str | None, uri: str | None) -> None:
         self.root.prefixes.setdefault(prefix or "", uri or "")
 
-    def _entity(self, *_: Any) -> None:
-        self._fail("an entity declaration", "XML without entities; export it again")
+    def _document_type(self, *_: Any) -> None:
+        """It may define entities, or defaults of attributes in another file."""
+        self._fail("a document type (<!DOCTYPE>)", "XML without entities; remove it")
 
     def _fail(self, received: str, expected: str) -> NoReturn:
         self.source.fail(received + self.part, expected, line=self.parser.CurrentLineNumber)

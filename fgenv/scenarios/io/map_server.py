@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Literal
 
@@ -18,6 +19,7 @@ from .grids import MAX_CELLS, fail, read_bytes, scenario_of_boxes
 from .yaml_node import Node
 
 REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+FORMATS = ("PPM", "PNG", "BMP", "GIF", "JPEG")  # PPM includes PGM; others may run programs
 MODES = ("trinary", "scale", "raw")
 FREE, OCCUPIED, UNKNOWN = 0, 1, 2
 
@@ -117,22 +119,24 @@ def states(top: Node) -> NDArray[np.int8]:
 
 def pixels(top: Node) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mean of the color channels of each pixel, 0 to 1, and whether it is opaque."""
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     place = top.get("image")
     file = Path(top.path).parent / place.text()
     if not file.is_file():
         place.fail(f"{short(place.value)} does not exist", "put it beside the YAML file")
     try:
-        with Image.open(file) as image:
+        with Image.open(io.BytesIO(read_bytes(file)), formats=FORMATS) as image:
             if image.width * image.height > MAX_CELLS:
                 fail(file, f"has {image.width} x {image.height} cells", f"at most {MAX_CELLS}")
-            read_bytes(file)
             return channels(image, place)
     except ScenarioError:
         raise
+    except UnidentifiedImageError:
+        place.fail(f"{short(place.value)} is no image", f"expected one of {', '.join(FORMATS)}")
     except Exception as error:  # Pillow raises any exception for a damaged file
-        place.fail(f"cannot be read: {short(str(error))}", "expected a PGM or PNG file")
+        text = f"{short(place.value)} cannot be read: {short(str(error))}"
+        place.fail(text, "expected a complete file")
 
 
 def channels(image: object, place: Node) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from fgenv.regular_file import read_regular
 from fgenv.view.figures.canvas import check_plot_path, legend_beside, new_figure, save_figure
 from fgenv.view.figures.palette import BLUE, GREEN, VERMILION
 
+MAX_BYTES = 1 << 28
 CURVES = {  # column: label, color, line
     "success": ("success, of episodes", BLUE, "-"),
     "robot_success": ("success, of robots", GREEN, "--"),
@@ -21,14 +23,16 @@ def evaluations(path: str | Path) -> dict[str, list[float]]:
     Raises:
         ValueError: the file is of another kind, or has no rows yet.
     """
-    with Path(path).open(newline="", encoding="utf-8", errors="replace") as file:
-        reader = csv.DictReader(file)
+    content = read_regular(Path(path), "the evaluations.csv that fgenv train writes", MAX_BYTES)
+    reader = csv.DictReader(content.decode("utf-8", "replace").splitlines())
+    try:
         if not {"steps", *CURVES} <= set(reader.fieldnames or ()):
             raise ValueError(f"{path}: expected the evaluations.csv that fgenv train writes")
-        try:
-            rows = [{name: float(row[name]) for name in ("steps", *CURVES)} for row in reader]
-        except (TypeError, ValueError):
-            raise ValueError(f"{path}: line {reader.line_num} is not of numbers") from None
+        rows = [{name: float(row[name]) for name in ("steps", *CURVES)} for row in reader]
+    except (TypeError, ValueError, csv.Error) as error:
+        if str(error).startswith(str(path)):
+            raise
+        raise ValueError(f"{path}: line {reader.line_num} is not of numbers") from None
     if not rows:
         raise ValueError(f"{path}: it has no evaluations yet")
     return {name: [row[name] for row in rows] for name in rows[0]}
