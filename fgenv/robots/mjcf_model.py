@@ -65,7 +65,18 @@ def _warnings_in(notes: list[str], mujoco: Any) -> Iterator[None]:
 def _compiled(mujoco: Any, path: Path) -> Any:
     spec = mujoco.MjSpec.from_file(str(path))
     _reduce(spec, mujoco)
-    return spec.compile()
+    return _without_hulls(spec)
+
+
+def _without_hulls(spec: Any) -> Any:
+    """The compiled model. MuJoCo builds convex hulls of meshes that collide, which are not used."""
+    masks = [(geom, geom.contype, geom.conaffinity) for geom in spec.geoms]
+    for geom, _, _ in masks:
+        geom.contype = geom.conaffinity = 0
+    model = spec.compile()
+    for geom, kind, affinity in masks:
+        model.geom_contype[geom.id], model.geom_conaffinity[geom.id] = kind, affinity
+    return model
 
 
 def _without_visual_meshes(mujoco: Any, path: Path, fault: Exception, notes: list[str]) -> Any:
@@ -87,7 +98,7 @@ def _without_visual_meshes(mujoco: Any, path: Path, fault: Exception, notes: lis
         for mesh in list(spec.meshes):
             if (mesh.name or Path(mesh.file).stem) not in used:
                 spec.delete(mesh)
-        model = spec.compile()
+        model = _without_hulls(spec)
     except Exception:
         raise fault from None
     notes.append(f"Geoms that do not collide are left out; {fault}.")

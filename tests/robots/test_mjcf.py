@@ -389,6 +389,17 @@ def test_a_mesh_file_keeps_its_place_scale_and_faces(tmp_path: Path) -> None:
     np.testing.assert_allclose(mesh.volume, 2 * 2 / 3, rtol=1e-5)  # outward in the mirror
 
 
+def test_a_flat_mesh_collides(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """MuJoCo refuses it, as it has no hull, and writes a page of text; fgenv needs no hull."""
+    mesh = "<mesh name='m' inertia='shell' vertex='0 0 0 1 0 0 0 1 0 1 1 0' face='0 1 2 1 3 2'/>"
+    shape, origin, _ = only_shape(
+        tmp_path, "<geom type='mesh' mesh='m'/>", f"<asset>{mesh}</asset>"
+    )
+    at = shape.vertices @ origin[:3, :3].T + origin[:3, 3]
+    np.testing.assert_allclose(np.ptp(at, axis=0), [1, 1, 0], atol=1e-6)
+    assert not capfd.readouterr().err
+
+
 def test_geoms_of_collision_and_for_the_eye(tmp_path: Path) -> None:
     seen = "<geom size='.2' contype='0' conaffinity='0' group='1'/>"
     hidden = "<geom type='box' size='.1 .1 .1' group='3'/>"
