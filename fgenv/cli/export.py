@@ -142,7 +142,7 @@ def write_robot(
     from fgenv.export import robot_parts, write_urdf
     from fgenv.robots import Robot
 
-    robot = Robot.from_urdf(file, scale=scale, srdf=srdf)
+    robot = Robot.load(file, scale=scale, srdf=srdf)
     if path.suffix == ".urdf":
         return write_urdf(robot, path)
     return written_meshes(robot_parts(robot, None if q is None else numbers(q)), path)

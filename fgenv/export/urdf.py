@@ -23,7 +23,7 @@ def write_urdf(robot: Robot, path: str | Path) -> list[Path]:
     """Write a robot to a URDF file, its meshes as OBJ to the folder STEM_meshes beside it.
 
     STEM.srdf has the pairs of links that may touch. URDF has no place for the base, the mount, the
-    workspace and the drive: give them to `Robot.from_urdf` again.
+    workspace and the drive: give them to `Robot.load` again.
 
     Returns:
         The written files.

@@ -2,7 +2,7 @@
 
 >>> from fgenv.robots import DifferentialDrive, Robot
 >>> cart = Robot.from_mesh("cart.stl", drive=DifferentialDrive(speed=1.0, turn_rate=1.5))
->>> arm = Robot.from_urdf("panda.urdf")       # pip install 'fgenv[urdf]'
+>>> arm = Robot.load("panda.urdf")       # pip install 'fgenv[urdf]'
 >>> arm.forward(arm.rest, "panda_hand")       # (4, 4)
 """
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.arrays import Flags, Floats
 
 from .kinematic_tree import BASE_DOF, KinematicTree
-from .links_joints import locked
+from .links_joints import Joint, locked
 
 UNIT_TOLERANCE = 1e-6  # of the length of a valid quaternion
 
@@ -27,15 +27,16 @@ class ConfigurationSpace(KinematicTree):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "workspace", checked_workspace(self.workspace, self.base))
+        _ = self._joint_limits  # raises errors of joints that mimic others
 
     @cached_property
     def lower(self) -> Floats:
-        """Lower limits, (nq,); angles -pi, quaternions -1."""
+        """Lower limits, (nq,), also of joints that mimic others; angles -pi, quaternions -1."""
         return self._limits(0)
 
     @cached_property
     def upper(self) -> Floats:
-        """Upper limits, (nq,); angles pi, quaternions 1."""
+        """Upper limits, (nq,), also of joints that mimic others; angles pi, quaternions 1."""
         return self._limits(1)
 
     @cached_property
@@ -180,14 +181,43 @@ class ConfigurationSpace(KinematicTree):
             "planar": [*place[:2], sign * math.pi],
             "free": [*place, *[sign] * 4],
         }
-        joints = [
-            sign * math.pi if joint.kind == "continuous" else (joint.lower, joint.upper)[side]
-            for joint in self.moving_joints
-        ]
+        joints = [self._joint_limits[joint.name][side] for joint in self.moving_joints]
         return locked(np.array([*base[self.base], *joints], dtype=np.float64))
+
+    @cached_property
+    def _joint_limits(self) -> dict[str, tuple[float, float]]:
+        """Limits of each joint with a coordinate: its own, and those of joints that mimic it.
+
+        Raises:
+            ValueError: no value is within all of them.
+        """
+        limits = {joint.name: (joint.lower, joint.upper) for joint in self.moving_joints}
+        for joint in self.joints:
+            if joint.mimic is not None:
+                source, multiplier, offset = self.mimic_sources[joint.name]
+                low, high = source_limits(joint, multiplier, offset)
+                own = limits[source.name]
+                limits[source.name] = max(own[0], low), min(own[1], high)
+                if limits[source.name][0] > limits[source.name][1]:
+                    raise ValueError(
+                        f"joint {joint.name!r}: got limits that no value of {source.name!r}, which"
+                        " it mimics, keeps; expected limits that overlap"
+                    )
+        full = -math.pi, math.pi
+        endless = {joint.name: full for joint in self.moving_joints if joint.kind == "continuous"}
+        return limits | endless
 
     def _rates(self, joints: list[float]) -> Floats:
         return locked(np.array([np.inf] * BASE_DOF[self.base] + joints, dtype=np.float64))
+
+
+def source_limits(joint: Joint, multiplier: float, offset: float) -> tuple[float, float]:
+    """Limits of the coordinate x with multiplier * x + offset within a joint's limits."""
+    if multiplier == 0.0:
+        inside = joint.lower <= offset <= joint.upper
+        return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
+    ends = (joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier
+    return min(ends), max(ends)
 
 
 def checked_workspace(value: ArrayLike | None, base: str) -> Floats | None:

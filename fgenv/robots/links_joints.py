@@ -108,7 +108,7 @@ class Link:
 class Mimic:
     """Coordinate of a joint as a function of another: multiplier * coordinate of `joint` + offset.
 
-    The limits of the other joint hold; its own limits are ignored.
+    The limits of both joints hold. A joint that mimics a continuous one has none of its own.
     """
 
     joint: str

@@ -48,6 +48,21 @@ def find_mesh(name: str, source: Path, paths: PackagePaths) -> Path:
     raise FileNotFoundError(f"mesh {name!r}: got no such file in {searched}; {remedy}")
 
 
+def find_package(name: str, source: Path, paths: PackagePaths) -> Path:
+    """The folder of a package, searched as for `package://NAME`.
+
+    Raises:
+        FileNotFoundError: no such package, with the remedy.
+    """
+    for place in candidates(f"package://{name}/", source, paths):
+        if place.is_dir():
+            return place
+    raise FileNotFoundError(
+        f"no package {name!r} in package_dirs, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders"
+        f" above {source}; give package_dirs={{{name!r}: its folder}}"
+    )
+
+
 def candidates(name: str, source: Path, paths: PackagePaths) -> Iterator[Path]:
     """Possible locations of the file of a URI or path, the likeliest first.
 

@@ -21,7 +21,7 @@ from .drives.steering import Steering
 from .links_joints import Link, LinkShape, as_pose, number_of
 from .mesh_location import PackagePaths
 from .primitives import ERROR
-from .srdf import disabled_collisions
+from .srdf import NO_SEMANTICS, Semantics, read_srdf
 from .urdf import Reader
 
 
@@ -45,6 +45,7 @@ class Robot(ConfigurationSpace):
         allowed: pairs of links that may touch. Adjacent links, and links that do not move relative
             to each other, are added.
         notes: sentences on what the robot's file has and the robot does not, or has otherwise.
+        semantics: planning groups, named states and more, of an SRDF file.
 
     Raises:
         ValueError, TypeError: an invalid argument, with the value received and the one expected.
@@ -53,6 +54,7 @@ class Robot(ConfigurationSpace):
     drive: Drive | None = None
     allowed: Sequence[tuple[str, str]] = ()
     notes: tuple[str, ...] = ()
+    semantics: Semantics = NO_SEMANTICS
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -92,7 +94,7 @@ class Robot(ConfigurationSpace):
         return cls(label, (body,), (), base, place, workspace, drive)  # type: ignore[arg-type]
 
     @classmethod
-    def from_urdf(
+    def load(
         cls,
         path: str | Path,
         base: str = "fixed",
@@ -105,12 +107,13 @@ class Robot(ConfigurationSpace):
         method: str = "exact",
         tolerance: float | None = None,
         soft_limits: bool = False,
+        xacro_args: Mapping[str, str] | None = None,
         drive: Drive | None = None,
         name: str | None = None,
         mount: ArrayLike | None = None,
         workspace: ArrayLike | None = None,
     ) -> Robot:
-        """Create a robot from a URDF file; needs yourdfpy: `pip install 'fgenv[urdf]'`.
+        """Create a robot from a URDF or xacro file; needs the extra: `pip install 'fgenv[urdf]'`.
 
         Each shape of a link stays a separate shape. A negative mesh scale mirrors. The unit of a
         COLLADA file is applied, its up axis is ignored, as in RViz. A lower or upper limit that is
@@ -124,12 +127,16 @@ class Robot(ConfigurationSpace):
             package_dirs: folders in which `package://NAME/...` is searched first: folders of
                 packages, or packages, also by the name in package.xml; or a mapping of names to
                 folders. Then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders above the file.
-            srdf: a file that disables collisions of pairs of links.
+            srdf: an SRDF file: pairs of links that may touch, planning groups, named states and end
+                effectors; `Robot.semantics`. What it has for links or joints that the robot does
+                not have is noted.
             scale: factor of all lengths.
             error: meters by which the mesh of a cylinder or sphere, which encloses it, may exceed
                 it.
             method, tolerance: of the shapes, see `Shape`.
             soft_limits: keep to the soft limits of safety controllers as well.
+            xacro_args: values of `<xacro:arg>` by name. A xacro file (.xacro) has expressions that
+                are evaluated, and includes other files: expand those that you trust.
             name: None: the name in the file.
             base, drive, mount, workspace: see `Robot`.
 
@@ -147,9 +154,12 @@ class Robot(ConfigurationSpace):
         folders = [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
         searched = PackagePaths(tuple(Path(folder) for folder in folders), packages)
         options = {"method": method, "tolerance": tolerance}
-        reader = Reader(Path(path), searched, collision, scale, error, options, soft_limits)
+        given = xacro_args or {}
+        reader = Reader(Path(path), searched, collision, scale, error, options, soft_limits, given)
         label, links, joints = reader.read()
-        allowed = () if srdf is None else tuple(disabled_collisions(srdf, links))
+        semantics = NO_SEMANTICS
+        if srdf is not None:
+            semantics = read_srdf(srdf, label, links, joints, base)
         return cls(
             name or label,
             tuple(links),
@@ -158,8 +168,9 @@ class Robot(ConfigurationSpace):
             as_pose(mount, "mount"),
             workspace,  # type: ignore[arg-type]
             drive,
-            allowed,
-            tuple(reader.notes),
+            semantics.allowed,
+            (*reader.notes, *semantics.notes),
+            semantics,
         )
 
     def replace(self, **changes: Any) -> Robot:
@@ -203,6 +214,27 @@ class Robot(ConfigurationSpace):
     def allowed_parts(self) -> tuple[tuple[int, int], ...]:
         """Pairs of indices in `parts` that may touch, each in rising order."""
         return allowed_collisions.allowed_parts(self, tuple(self.allowed))
+
+    def named_state(self, name: str, group: str | None = None) -> Floats:
+        """The configuration (nq,) of a named state of the SRDF; other coordinates are at rest.
+
+        Args:
+            group: the planning group; None: the only one that has a state of this name.
+
+        Raises:
+            ValueError: no such state, or several groups have it.
+        """
+        states = self.semantics.states
+        keys = [key for key in states if key[1] == name and group in (None, key[0])]
+        if len(keys) != 1:
+            known = ", ".join(f"{state!r} of {own!r}" for own, state in states) or "none"
+            what = f"{name!r}" + ("" if group is None else f" of {group!r}")
+            raise ValueError(f"state: got {what}, expected one of {self.name!r}: {known}")
+        q = self.rest.copy()
+        for joint, value in states[keys[0]].items():
+            if joint in self.coordinates:  # others mimic a joint
+                q[self.coordinates.index(joint)] = value
+        return q
 
     def self_collisions(self, q: ArrayLike | None = None) -> tuple[tuple[str, str], ...]:
         """Pairs of links, except allowed ones, that collide at a configuration (nq,).

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Container, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,12 @@ from fgenv.collision import Shape
 from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
+from .configuration_space import ConfigurationSpace, source_limits
 from .links_joints import MAX_VALUE, Joint, Link, LinkShape, Mimic
 from .mesh_location import PackagePaths, find_mesh
+from .topology import mimic_source
 from .urdf_document import check_document, load_model, numbers, parsed_document, quaternion
+from .xacro_files import expand_xacro
 
 
 @dataclass
@@ -37,12 +40,24 @@ class Reader:
     error: float  # meters, of cylinders and spheres
     shape_options: dict[str, Any]  # of Shape
     soft_limits: bool = False  # of <safety_controller>, where it has them
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
     meshes: dict[tuple[Any, ...], Shape] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def read(self) -> tuple[str, list[Link], list[Joint]]:
         """Return name, links and joints of the file."""
-        document = parsed_document(self.path, self.notes)
+        if self.path.suffix.lower() != ".xacro":
+            if self.xacro_args:
+                raise ValueError(f"xacro_args: got some for {self.path}, expected a .xacro file")
+            return self._read(None)
+        text = expand_xacro(self.path, self.xacro_args, self.packages)
+        try:
+            return self._read(text)
+        except ValueError as error:
+            raise ValueError(f"{error} (lines of the expanded file: xacro {self.path})") from error
+
+    def _read(self, text: bytes | None) -> tuple[str, list[Link], list[Joint]]:
+        document = parsed_document(self.path, self.notes, text=text)
         seen = document.find("link/visual") is not None
         kind = "collision" if self.collision else "visual"
         check_document(document, self.path, kind)
@@ -59,7 +74,40 @@ class Reader:
                 UserWarning,
                 stacklevel=3,
             )
+        joints = self._without_contradictions(joints)
+        try:
+            ConfigurationSpace(model.name, tuple(links), tuple(joints))
+        except ValueError as error:
+            raise ValueError(f"{self.path}: {error}") from None
         return model.name, links, joints
+
+    def _without_contradictions(self, joints: list[Joint]) -> list[Joint]:
+        """Joints that mimic others without limits that leave the others no room; noted.
+
+        Many grippers' files give a joint that turns the other way the limits of the joint that it
+        mimics.
+        """
+        by_name = {joint.name: joint for joint in joints}
+        limits = {joint.name: (joint.lower, joint.upper) for joint in joints}
+        result = list(joints)
+        for i, joint in enumerate(joints):
+            if joint.mimic is None:
+                continue
+            try:
+                source, multiplier, offset = mimic_source(joint, by_name)
+            except ValueError:  # Robot reports it
+                continue
+            own, low_high = limits[source.name], source_limits(joint, multiplier, offset)
+            both = max(own[0], low_high[0]), min(own[1], low_high[1])
+            if both[0] < both[1] or both[0] == both[1] == own[0] == own[1]:
+                limits[source.name] = both
+                continue
+            self.notes.append(
+                f"The limits of joint {joint.name!r} contradict those of {source.name!r}, which it"
+                " mimics; they are left out."
+            )
+            result[i] = replace(joint, lower=-math.inf, upper=math.inf)
+        return result
 
     def _link(self, link: Any, text: Any) -> Link:
         kind = "collision" if self.collision else "visual"

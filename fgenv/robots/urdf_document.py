@@ -13,9 +13,16 @@ from fgenv.regular_file import read_regular
 from .links_joints import JOINT_KINDS, number_of
 
 MAX_BYTES = 64_000_000
-DECLARATION = re.compile(rb"(\s*<\?xml\s+version\s*=\s*)(['\"])([^'\"]*)\2")
+DECLARATION = re.compile(rb"(<\?xml\s+version\s*=\s*)(['\"])([^'\"]*)\2")
 PREFIX = re.compile(r"^(\{[^}]*\}|[^:{]*:)")
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
+# Numbers of elements of a joint.
+JOINT_NUMBERS = {
+    "limit": ("lower", "upper", "velocity"),
+    "mimic": ("multiplier", "offset"),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit"),
+}
+UNUSED = ("inertial", "dynamics", "calibration")  # removed: faults in them do not matter
 # Attributes of each geometry, and how many numbers they may have.
 SIZES: dict[str, dict[str, tuple[int, ...]]] = {
     "box": {"size": (3,)},
@@ -25,14 +32,23 @@ SIZES: dict[str, dict[str, tuple[int, ...]]] = {
 }
 
 
-def parsed_document(path: Path, notes: list[str]) -> Any:
+def parsed_document(
+    path: Path,
+    notes: list[str],
+    kind: str = "a URDF file",
+    text: bytes | None = None,
+) -> Any:
     """Root element, without elements and attributes of foreign prefixes.
 
     Args:
         notes: receives sentences on what the file has and the robot does not, or has otherwise.
+        kind: `a URDF file` or the like, for messages.
+        text: None: the content of the file.
+
+    Raises:
+        FileNotFoundError, ModuleNotFoundError: no such file; yourdfpy is not installed.
+        ValueError: no regular file, one that is too large, no XML, or another root element.
     """
-    if path.suffix == ".xacro":
-        raise ValueError(f"path: {path} is a xacro file, expand it first: xacro FILE > robot.urdf")
     try:
         import yourdfpy  # noqa: F401
         from lxml import etree
@@ -41,7 +57,11 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
             f"to read URDF, {error.name} is needed; remedy: pip install 'fgenv[urdf]'",
             name=error.name,
         ) from None
-    text = read_regular(path, "a URDF file", MAX_BYTES)
+    if text is None:
+        text = read_regular(path, kind, MAX_BYTES)
+    if text[:1].isspace():
+        notes.append("The XML does not begin in the first line, at its first character.")
+        text = text.lstrip()
     declared = DECLARATION.match(text)
     if declared and declared[3] != b"1.0":  # PyBullet's data have version 0.0
         version = declared[3].decode(errors="replace")
@@ -51,12 +71,13 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
     try:
         root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:  # nothing to recover
-        raise ValueError(f"path: {path}: got {error.msg}, expected a URDF file") from None
+        raise ValueError(f"path: {path}: got {error.msg}, expected {kind}") from None
     if root is not None and root.getroottree().docinfo.doctype:
         raise ValueError(f"path: {path}: got a document type, expected XML without; remove it")
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
-            raise ValueError(f"path: {path}: line {fault.line}: got {fault.message}, expected XML")
+            line = f"path: {path}: line {fault.line}"
+            raise ValueError(f"{line}: got {fault.message}, expected XML")
     if root is not None and (default := root.nsmap.get(None)):
         notes.append(f"The default namespace {default} is ignored.")
         for element in root.iter(f"{{{default}}}*"):
@@ -64,7 +85,7 @@ def parsed_document(path: Path, notes: list[str]) -> Any:
         etree.cleanup_namespaces(root)
     if root is None or root.tag != "robot":
         came = "nothing" if root is None else f"<{root.tag}>"
-        raise ValueError(f"path: {path}: got {came}, expected a URDF file: <robot>")
+        raise ValueError(f"path: {path}: got {came}, expected {kind}: <robot>")
     _remove_foreign(root, path, notes)
     return root
 
@@ -78,7 +99,9 @@ def _remove_foreign(root: Any, path: Path, notes: list[str]) -> None:
         name = PREFIX.sub("", element.tag)
         if name != element.tag:  # prefix:name, or {uri}name where the prefix is declared
             if "xacro" in element.tag:
-                _fail(path, element, f"got <xacro:{name}>, expected URDF; expand it first: xacro")
+                _fail(
+                    path, element, f"got <xacro:{name}>, expected URDF; name it .xacro to expand it"
+                )
             removed[name] = None
             if element.getparent() is not None:
                 element.getparent().remove(element)
@@ -95,12 +118,18 @@ def _remove_foreign(root: Any, path: Path, notes: list[str]) -> None:
 def check_document(document: Any, path: Path, kind: str) -> None:
     """Raise ValueError, with the line, for content that a loader fails on or skips silently.
 
+    Elements without effect here are removed.
+
     Args:
         kind: `collision` or `visual`: the other kind of geometry is removed, not checked.
     """
+    if document.find("link") is None:
+        _fail(path, document, "<robot>: got no <link>, expected one; macros alone are no robot")
     for link in document.findall("link"):
         for item in link.findall("visual" if kind == "collision" else "collision"):
             link.remove(item)
+    for item in list(document.iter(*UNUSED)):
+        item.getparent().remove(item)
     for element in (document, *document.findall("link"), *document.findall("joint")):
         if not element.get("name"):
             _fail(path, element, f"<{element.tag}>: got no name, expected name=")
@@ -131,9 +160,21 @@ def _check_joint(joint: Any, path: Path) -> None:
     if kind not in JOINT_KINDS:
         expected = ", ".join(JOINT_KINDS)
         _fail(path, joint, f"joint {name!r}: type: got {kind!r}, expected one of {expected}")
+    for tag, names in JOINT_NUMBERS.items():
+        for element in joint.findall(tag):
+            for attribute in names:
+                _check_number(element, attribute, f"joint {name!r}: {tag}", path)
     for end in ("parent", "child"):
         if joint.find(end) is None or not joint.find(end).get("link"):
             _fail(path, joint, f"joint {name!r}: got no {end}, expected <{end} link=>")
+
+
+def _check_number(element: Any, attribute: str, label: str, path: Path) -> None:
+    text = element.get(attribute)
+    try:
+        number_of(float(text or 0), attribute)
+    except ValueError:
+        _fail(path, element, f"{label}: {attribute}: got {text!r}, expected a number")
 
 
 def _check_geometry(link: Any, item: Any, path: Path) -> None:

@@ -157,7 +157,7 @@ def robot_model(scenario: ScenarioSpec, model: Model) -> Robot:
         return Robot.from_mesh(shape, base, drive=drive, workspace=space)
     path = urdf_path(model.urdf, scenario.folder)
     srdf = None if model.srdf is None else urdf_path(model.srdf, scenario.folder, "srdf")
-    robot = Robot.from_urdf(path, base, workspace=space, srdf=srdf)
+    robot = Robot.load(path, base, workspace=space, srdf=srdf)
     shapes = {item.shape: scenario.shapes[item.shape].shape(scenario.folder)
               for item in model.attached if item.shape in scenario.shapes}  # fmt: skip
     robot = with_attached(with_locked_joints(robot, model.locked), model.attached, shapes)

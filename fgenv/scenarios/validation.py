@@ -203,7 +203,8 @@ def _limit_faults(place: Location, robot: Robot, q: Floats) -> Iterator[Fault]:
     for name, x, low, high, endless in limits:
         if name not in quaternion and not low <= x <= high and not endless:
             bounds = "the workspace" if name in ("x", "y", "z") else "the joint's limits"
-            text = f"{name} is {x:g}, outside {bounds}, {low:g} to {high:g}"
+            over = max(low - x, x - high)
+            text = f"{name} is {x:g}, outside {bounds}, {low:g} to {high:g}, by {over:.2g}"
             yield Fault(place, text, f"move it inside, or widen {bounds}")
     length = float(np.sqrt(np.sum(q[3:7] ** 2))) if quaternion else 1.0
     if abs(length - 1.0) > 1e-6:

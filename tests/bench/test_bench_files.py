@@ -9,10 +9,13 @@ import pytest
 import trimesh as tm
 from support.shell import Shell
 
+from fgenv.bench.files import robots
 from fgenv.bench.files.explanations import AGREES, READS, REFUSES, UNIT
 from fgenv.bench.files.load_times import torus
-from fgenv.bench.files.meshes import compare_file, mesh_files, verdict_of
+from fgenv.bench.files.meshes import compare_file, files_with, verdict_of
 from fgenv.bench.files.readers import PEERS, Measures
+from fgenv.collision.mesh_files import READERS
+from fgenv.robots import Robot
 
 
 def box(*size: float) -> Measures:
@@ -65,7 +68,7 @@ def test_a_difference_without_a_reason_is_reported(
 
 
 def test_files_are_listed_once_by_content() -> None:
-    labels = [label for label, _ in mesh_files()]
+    labels = [label for label, _ in files_with(READERS)]
     assert len(labels) == len(set(labels)) > 2000
 
 
@@ -84,3 +87,52 @@ def test_the_command_has_no_unexplained_row(shell: Shell) -> None:
     assert all(row["unexplained"] == [] for row in data["meshes"])
     (loading,) = data["loading"]
     assert loading["ratio"] > 0
+
+
+ARM = """<robot name="arm"><link name="a"/><link name="b"/>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><origin xyz="{x} 0 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_a_robot_that_differs_from_pinocchio_is_unexplained(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ARM.format(x=0.5))
+    monkeypatch.setattr(robots, "files_with", lambda suffixes: [("arm", file)])
+    (row,) = robots.bench_robots(False, print)
+    assert (row["result"], row["files"], row["unexplained"]) == (robots.AGREES, 1, [])
+    assert row["difference"] < 1e-15
+    own = Robot.load(file)
+    file.write_text(ARM.format(x=0.6))
+    monkeypatch.setattr(Robot, "load", lambda path, **options: own)
+    (row,) = robots.bench_robots(False, print)
+    assert (row["result"], row["unexplained"]) == ("poses differ", ["arm"])
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("<robot name='r'/>", "no link"),
+        ("robot", "no XML"),
+        (
+            ARM.format(x="none"),
+            "an origin, a size or a scale has a wrong number of numbers",
+        ),
+    ],
+)
+def test_reasons_of_refusals_are_counted(
+    content: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(content)
+    monkeypatch.setattr(robots, "files_with", lambda suffixes: [("arm", file)])
+    (row,) = robots.bench_robots(False, print)
+    assert (row["result"], row["unexplained"]) == (robots.REFUSED + reason, [])
+
+
+@pytest.mark.slow
+def test_every_urdf_file_agrees_or_is_refused_for_a_known_reason() -> None:
+    rows = list(robots.bench_robots(False, print))
+    assert [row for row in rows if row["unexplained"]] == []
+    assert max(rows, key=lambda row: row["files"])["result"] == robots.AGREES

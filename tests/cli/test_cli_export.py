@@ -28,8 +28,8 @@ def test_a_robot_and_its_shapes_at_a_configuration(shell: Shell) -> None:
     file = urdf("z1_description/urdf/z1.urdf")
     data = shell.json("export", file, "--to", "urdf", "--out", "copy.urdf")
     assert data["written"][:2] == ["copy.urdf", "copy.srdf"]
-    robot = Robot.from_urdf("copy.urdf", srdf="copy.srdf")
-    assert np.allclose(robot.forward(robot.rest), Robot.from_urdf(file).forward(robot.rest))
+    robot = Robot.load("copy.urdf", srdf="copy.srdf")
+    assert np.allclose(robot.forward(robot.rest), Robot.load(file).forward(robot.rest))
     heights = []
     for second in (0.0, 1.0):
         q = np.zeros(robot.nq)

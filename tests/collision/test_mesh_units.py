@@ -94,7 +94,7 @@ def test_one_rule_everywhere(name: str, tmp_path: Path) -> None:
     assert Shape.load(path, scale=2.0).report.extents == pytest.approx((4, 4, 2))
 
     (tmp_path / "robot.urdf").write_text(URDF.format(file=name))
-    robot = Robot.from_urdf(tmp_path / "robot.urdf")
+    robot = Robot.load(tmp_path / "robot.urdf")
     (part,) = robot.links[0].shapes
     assert np.ptp(part.shape.bounds, axis=0) == pytest.approx([4, 4, 2])
 

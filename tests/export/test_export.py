@@ -105,7 +105,7 @@ def assert_equal_robots(one: Robot, two: Robot) -> None:
 def test_robots_of_real_urdf_files(path: str, tmp_path: Path) -> None:
     robot = real(path)
     write_urdf(robot, tmp_path / "copy.urdf")
-    assert_equal_robots(robot, Robot.from_urdf(tmp_path / "copy.urdf", srdf=tmp_path / "copy.srdf"))
+    assert_equal_robots(robot, Robot.load(tmp_path / "copy.urdf", srdf=tmp_path / "copy.srdf"))
 
 
 def test_a_robot_with_a_mimic_joint_and_markup_in_its_names(tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_a_robot_with_a_mimic_joint_and_markup_in_its_names(tmp_path: Path) -> N
     files = write_urdf(robot, tmp_path / "arm.urdf")
     assert sorted(files) == sorted(p for p in tmp_path.rglob("*") if p.is_file())
     assert len(files) == 3  # URDF, SRDF, and the one shape of all links
-    assert_equal_robots(robot, Robot.from_urdf(tmp_path / "arm.urdf", srdf=tmp_path / "arm.srdf"))
+    assert_equal_robots(robot, Robot.load(tmp_path / "arm.urdf", srdf=tmp_path / "arm.srdf"))
 
 
 @pytest.mark.parametrize(

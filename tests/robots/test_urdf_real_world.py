@@ -20,7 +20,7 @@ BOX = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
 def robot(tmp_path: Path, body: str, head: str = '<robot name="r">', **options: object) -> Robot:
     file = tmp_path / "r.urdf"
     file.write_text(f"{head}{body}</robot>", encoding="utf-8")
-    return Robot.from_urdf(file, **options)  # type: ignore[arg-type]
+    return Robot.load(file, **options)  # type: ignore[arg-type]
 
 
 def joint(limit: str, kind: str = "revolute", extra: str = "") -> str:
@@ -53,7 +53,7 @@ def test_elements_of_other_programs_are_noted(tmp_path: Path) -> None:
 @pytest.mark.parametrize("declared", ["", ' xmlns:xacro="http://www.ros.org/wiki/xacro"'])
 def test_xacro_is_refused_with_its_line(tmp_path: Path, declared: str) -> None:
     """A robot of one link was read of a file whose macros make the others."""
-    with pytest.raises(ValueError, match=r"line 2: got <xacro:bar>, expected URDF; expand"):
+    with pytest.raises(ValueError, match=r"line 2: got <xacro:bar>, expected URDF; name it"):
         robot(tmp_path, f'<link name="a">{BOX}</link>\n<xacro:bar/>', f'<robot name="r"{declared}>')
 
 
@@ -181,3 +181,46 @@ def test_encoded_names_and_file_uris(tmp_path: Path) -> None:
         f"file://{mesh}",
     ):
         assert len(robot(tmp_path, with_mesh(uri)).parts) == 1
+
+
+
+def test_space_before_the_xml_declaration_is_noted(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(
+        '\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>'
+    )
+    assert "does not begin" in Robot.load(tmp_path / "r.urdf").notes[0]
+
+
+GRIPPER = """
+  <link name="a"/><link name="b"/><link name="c"/>
+  <joint name="left" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.8" velocity="1" effort="1"/></joint>
+  <joint name="right" type="revolute"><parent link="a"/><child link="c"/><axis xyz="0 0 1"/>
+    <limit lower="{low}" upper="{high}" velocity="1" effort="1"/>
+    <mimic joint="left" multiplier="-2" offset="0.1"/></joint>
+"""
+
+
+def test_limits_of_a_mimic_joint_hold(tmp_path: Path) -> None:
+    """`valid` accepted 0.8, which turns the other finger beyond its limit."""
+    gripper = robot(tmp_path, GRIPPER.format(low=-0.9, high=0.05))
+    np.testing.assert_allclose([gripper.lower[0], gripper.upper[0]], [0.025, 0.5])
+    assert gripper.notes == ()
+    assert [gripper.valid([q]) for q in (0.02, 0.03, 0.49, 0.51)] == [False, True, True, False]
+    assert gripper.valid(gripper.random(np.random.default_rng(0), 100)).all()
+
+
+def test_limits_of_a_mimic_joint_that_leave_no_room_are_left_out(tmp_path: Path) -> None:
+    """Files of grippers give the finger that turns the other way the limits of the first."""
+    gripper = robot(tmp_path, GRIPPER.format(low=0.5, high=0.8))
+    np.testing.assert_array_equal([gripper.lower[0], gripper.upper[0]], [0, 0.8])
+    assert gripper.notes == (
+        "The limits of joint 'right' contradict those of 'left', which it mimics; they are left"
+        " out.",
+    )
+
+
+def test_errors_of_the_tree_name_the_file(tmp_path: Path) -> None:
+    links = '<link name="a"/><link name="a"/>'
+    with pytest.raises(ValueError, match=r"r\.urdf: link 'a': got two of this name"):
+        robot(tmp_path, links)

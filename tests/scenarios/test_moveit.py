@@ -32,7 +32,7 @@ def test_all_problems_are_there() -> None:
 def panda() -> Robot:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return Robot.from_urdf(FOLDER / "panda.urdf", srdf=FOLDER / "panda.srdf")
+        return Robot.load(FOLDER / "panda.urdf", srdf=FOLDER / "panda.srdf")
 
 
 def written(path: Path, data: Any) -> Path:

@@ -125,7 +125,7 @@ def problem_in(folder: Path, scene_data: Any, request_data: Any, srdf: bool = Tr
 
 
 def arm(folder: Path) -> Robot:
-    return Robot.from_urdf(folder / "arm.urdf")
+    return Robot.load(folder / "arm.urdf")
 
 
 # Keys ---------------------------------------------------------------------------------------------
@@ -594,11 +594,11 @@ def test_a_group_needs_its_srdf(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("part", "message"),
     [
-        ('<joint name="elbwo"/>', "got 'elbwo'"),
+        ('<joint name="elbwo"/>', "got joint 'elbwo'"),
         ('<group name="none"/>', "'none' does not exist"),
         ('<group name="bend"/>', "contains itself"),
-        ('<chain base_link="hand" tip_link="upper"/>', "chain from hand to upper"),
-        ("<wheel/>", "got 'wheel'"),
+        ('<chain base_link="hand" tip_link="upper"/>', "chain from 'hand' to 'upper'"),
+        ("<wheel/>", "got <wheel>"),
     ],
 )
 def test_groups_that_are_refused(part: str, message: str, folder: Path) -> None:

@@ -47,7 +47,7 @@ def urdf(path: str) -> Path:
 @cache
 def real(path: str) -> Robot:
     """One of `URDFS`, cached."""
-    return Robot.from_urdf(urdf(path))
+    return Robot.load(urdf(path))
 
 
 def turn(rng: np.random.Generator) -> Floats:
@@ -85,6 +85,8 @@ def random_tree(rng: np.random.Generator, base: str | None = None, most: int = 8
         axis = np.eye(3)[rng.integers(3)] if rng.random() < 0.5 else rng.normal(size=3)
         parent = f"link{i - 1 if rng.random() < 0.7 else rng.integers(i)}"
         limits = (-2.0, 2.0) if kind != "prismatic" else (-0.4, 0.6)
+        if mimic is not None:
+            limits = (-np.inf, np.inf)  # those of the mimicked joint hold
         joints.append(
             Joint(f"joint{i}", kind, parent, f"link{i}", origin, axis, *limits, mimic=mimic)
         )

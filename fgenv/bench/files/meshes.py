@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import partial
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -19,11 +19,11 @@ from .explanations import AGREES, CONFIRMING, READS, REFUSES, UNIT, explanation
 from .readers import PEERS, Measures, fgenv, measured
 
 
-def mesh_files() -> list[tuple[str, Path]]:
-    """Return label and path of each mesh file in the packages; equal content once."""
+def files_with(suffixes: Collection[str]) -> list[tuple[str, Path]]:
+    """Return label and path of each file with a suffix in the packages; equal content once."""
     seen: set[bytes] = set()
     files = []
-    for label, path in sorted(_all_files()):
+    for label, path in sorted(_all_files(suffixes)):
         digest = hashlib.sha256(path.read_bytes()).digest()
         if digest not in seen:
             seen.add(digest)
@@ -31,14 +31,14 @@ def mesh_files() -> list[tuple[str, Path]]:
     return files
 
 
-def _all_files() -> Iterator[tuple[str, Path]]:
+def _all_files(suffixes: Collection[str]) -> Iterator[tuple[str, Path]]:
     for package, (folder, _) in FOLDERS.items():
         try:
             root = Path(str(distribution(package).locate_file(folder)))
         except PackageNotFoundError:
             continue
         for path in root.rglob("*"):
-            if path.suffix.lower() in READERS and path.is_file():
+            if path.suffix.lower() in suffixes and path.is_file():
                 yield f"{package}/{path.relative_to(root).as_posix()}", path
 
 
@@ -89,7 +89,7 @@ def verdict_of(own: Measures | str, other: Measures | str, unit: float) -> str:
 
 def bench_meshes(quick: bool, progress: Any) -> Iterator[Record]:
     """Yield a row per format and, with `unexplained`, the files that need an explanation."""
-    files = mesh_files()
+    files = files_with(READERS)
     files = files[:: max(1, len(files) // 100)] if quick else files
     rows = []
     for k, (label, path) in enumerate(files):

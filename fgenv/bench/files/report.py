@@ -17,7 +17,9 @@ NOTES = {
     " least one independent reader agrees. unexplained: differences without a reason.",
     "loading": "CPU seconds, median of alternating rounds; peak memory of a process in MB. fgenv"
     " reads and builds a Shape, trimesh merges vertices, the others only read. ratio: to trimesh.",
-    "robots": "Forward kinematics of random configurations against pinocchio.",
+    "robots": "Each file by content once, at random configurations. agrees: with pinocchio in the"
+    " poses of all links to 1e-9, and in the boxes of the meshes to 1e-5 of their size where"
+    " pinocchio finds them.",
 }
 
 
@@ -53,14 +55,13 @@ def loading(rows: list[Record]) -> Table:
 
 
 def robots(rows: list[Record]) -> Table:
-    """Counts by result and reason."""
+    """Counts by result."""
     columns: Columns = {
         "result": ("result", text),
         "files": ("files", count),
-        "reason": ("reason", text),
         "largest difference": ("difference", scientific),
     }
-    return table("Robot files of pip packages", columns, rows)
+    return table("URDF files of pip packages", columns, rows)
 
 
 def seconds(value: Any) -> str:
@@ -74,5 +75,5 @@ def whole(value: Any) -> str:
 
 
 def scientific(value: Any) -> str:
-    """Format a small number."""
-    return f"{value:.1e}"
+    """Format a small number; none: empty."""
+    return "" if value is None else f"{value:.1e}"

@@ -6,10 +6,10 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from fgenv.robots import Robot
+from fgenv.robots.srdf import read_srdf
 from fgenv.scenarios.errors import ScenarioError, near, short
 
 from .message_types import check_message
-from .srdf_groups import PlanningGroups
 from .yaml_node import Node
 
 MIMIC_TOLERANCE = 1e-3  # rad or m
@@ -118,11 +118,14 @@ def moving_joints(request: Node, robot: Robot, srdf: Path | None) -> tuple[str, 
         return robot.coordinates
     if srdf is None:
         place.fail(f"is {short(place.value)}", "expected srdf=, the file that defines the group")
-    groups = PlanningGroups(srdf, robot)
-    if place.value not in groups.groups:
-        remedy = near(place.value, groups.groups)
-        place.fail(f"{short(place.value)} is no group of {srdf.name}", remedy)
-    inside = groups.joints(str(place.value))
+    semantics = read_srdf(srdf, robot.name, robot.links, robot.joints)
+    group = str(place.value)
+    if group in semantics.faulty_groups:
+        place.fail(f"is {short(group)}: {semantics.faulty_groups[group]}", f"correct {srdf.name}")
+    if group not in semantics.groups:
+        remedy = near(group, semantics.groups)
+        place.fail(f"{short(group)} is no group of {srdf.name}", remedy)
+    inside = semantics.groups[group]
     own = tuple(name for name in robot.coordinates if name in inside)
     if not own:
         place.fail(f"{short(place.value)} has no moving joint", "expected a group of the arm")

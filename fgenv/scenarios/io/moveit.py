@@ -211,4 +211,4 @@ def arm_of(urdf: str) -> Robot:
 @lru_cache(maxsize=32)
 def _read(path: Path, changed: int) -> Robot:
     """Read again where the file is another one."""
-    return Robot.from_urdf(path)
+    return Robot.load(path)
