@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.arrays import Flags, Floats
 
 from .kinematic_tree import BASE_DOF, KinematicTree
-from .links_joints import Joint, locked
+from .links_joints import locked
+from .mimic_limits import source_limits
 
 UNIT_TOLERANCE = 1e-6  # of the length of a valid quaternion
 
@@ -209,15 +210,6 @@ class ConfigurationSpace(KinematicTree):
 
     def _rates(self, joints: list[float]) -> Floats:
         return locked(np.array([np.inf] * BASE_DOF[self.base] + joints, dtype=np.float64))
-
-
-def source_limits(joint: Joint, multiplier: float, offset: float) -> tuple[float, float]:
-    """Limits of the coordinate x with multiplier * x + offset within a joint's limits."""
-    if multiplier == 0.0:
-        inside = joint.lower <= offset <= joint.upper
-        return (-math.inf, math.inf) if inside else (math.inf, -math.inf)
-    ends = (joint.lower - offset) / multiplier, (joint.upper - offset) / multiplier
-    return min(ends), max(ends)
 
 
 def checked_workspace(value: ArrayLike | None, base: str) -> Floats | None:

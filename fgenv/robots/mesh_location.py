@@ -27,6 +27,16 @@ class PackagePaths:
     folders: tuple[Path, ...] = ()
     packages: Mapping[str, Path] = field(default_factory=dict)
 
+    @classmethod
+    def of(
+        cls, given: str | Path | Iterable[str | Path] | Mapping[str, str | Path]
+    ) -> PackagePaths:
+        """From folders, or a mapping of names of packages to their folders."""
+        if isinstance(given, Mapping):
+            return cls(packages={name: Path(folder) for name, folder in given.items()})
+        folders = [given] if isinstance(given, (str, Path)) else given
+        return cls(tuple(Path(folder) for folder in folders))
+
 
 def find_mesh(name: str, source: Path, paths: PackagePaths) -> Path:
     """The file of a mesh's URI or path.

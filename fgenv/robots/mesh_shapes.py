@@ -54,5 +54,8 @@ class MeshShapes:
             mesh = read_mesh_file(file, self.scale)
             faces = mesh.faces[:, ::-1] if np.prod(factors) < 0 else mesh.faces
             vertices = mesh.vertices * np.array(factors)
-            self.shapes[key] = Shape(vertices, faces, name=file.stem, **self.options)
+            try:
+                self.shapes[key] = Shape(vertices, faces, name=file.stem, **self.options)
+            except ValueError as error:
+                raise ValueError(f"{label}: {file}: {error}") from None
         return self.shapes[key]

@@ -10,7 +10,6 @@ single precision. Poses come from MuJoCo; their last bits may differ between mac
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -109,10 +108,11 @@ class _Reader:
         for body in self.bodies[1:]:
             parent = self.names.bodies[int(self.model.body_parentid[body])]
             self._add_body(body, parent, chosen)
-        self._note_rest(chosen)
+        self._note_rest()
         name, allowed = model_name(self.model, self.path), self._allowed(chosen)
         mount = place if base == "fixed" else np.eye(4)
-        return RobotFile(name, self.links, self.joints, base, mount, place, allowed, self.notes)
+        parts = name, self.links, self.joints, base, mount, place, allowed, self.notes
+        return RobotFile(*parts, other_geometry=not chosen.all())
 
     def _pose(self, body: int) -> Floats:
         return pose(self.scale * self.model.body_pos[body], self.model.body_quat[body])
@@ -152,17 +152,9 @@ class _Reader:
         inside, names = set(self.bodies), self.names.bodies
         return [(names[a], names[b]) for a, b in sorted(pairs) if a in inside and b in inside]
 
-    def _note_rest(self, chosen: NDArray[np.bool_]) -> None:
-        """Note what the file has for simulation and the robot has not; warn of no shapes."""
+    def _note_rest(self) -> None:
+        """Note what the file has for simulation and the robot has not."""
         inside = set(self.bodies)
-        if not any(link.shapes for link in self.links) and len(chosen):
-            other = not self.geometry.collision
-            warnings.warn(
-                f"{self.path}: got no geoms to {'use' if other else 'collide'}, so that nothing"
-                f" collides; give collision={other} to use the {'' if other else 'other'} geoms",
-                UserWarning,
-                stacklevel=4,
-            )
         limited = [
             self.model.tendon(i).name or str(i)
             for i in np.flatnonzero(self.model.tendon_limited)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -21,8 +22,8 @@ from .drives.steering import Steering
 from .links_joints import Link, LinkShape, as_pose, number_of
 from .mesh_location import PackagePaths
 from .primitives import ERROR
+from .robot_formats import ReadOptions, read_robot
 from .srdf import NO_SEMANTICS, Semantics, read_srdf
-from .urdf import Reader
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,7 +98,7 @@ class Robot(ConfigurationSpace):
     def load(
         cls,
         path: str | Path,
-        base: str = "fixed",
+        base: str | None = None,
         *,
         collision: bool = True,
         package_dirs: str | Path | Iterable[str | Path] | Mapping[str, str | Path] = (),
@@ -108,21 +109,26 @@ class Robot(ConfigurationSpace):
         tolerance: float | None = None,
         soft_limits: bool = False,
         xacro_args: Mapping[str, str] | None = None,
+        root: str | None = None,
         drive: Drive | None = None,
         name: str | None = None,
         mount: ArrayLike | None = None,
         workspace: ArrayLike | None = None,
     ) -> Robot:
-        """Create a robot from a URDF or xacro file; needs the extra: `pip install 'fgenv[urdf]'`.
+        """Create a robot from a URDF, xacro, MJCF or SDF file.
+
+        URDF and xacro need the extra `pip install 'fgenv[urdf]'`, MJCF `'fgenv[mjcf]'`. The format
+        is that of the ending (.urdf, .xacro, .sdf), or of the root element.
 
         Each shape of a link stays a separate shape. A negative mesh scale mirrors. The unit of a
-        COLLADA file is applied, its up axis is ignored, as in RViz. A lower or upper limit that is
-        missing is 0, the format's default; a joint without both, or with limits over 1e5, is
-        unbounded; a speed limit of 0 means none. Faults in geometry of the other kind do not
-        matter. `Robot.notes` lists what was left out.
+        COLLADA file is applied, its up axis is ignored, as in RViz. Limits over 1e5 are none. In
+        URDF, a lower or upper limit that is missing is 0, the format's default, a joint without
+        both is unbounded, and a speed limit of 0 means none. Faults in geometry of the other kind
+        do not matter. `Robot.notes` lists what was left out.
 
         Args:
             path: the file.
+            base: None: the file's; `fixed` for URDF.
             collision: True: use the links' collision geometry; False: their visual geometry.
             package_dirs: folders in which `package://NAME/...` is searched first: folders of
                 packages, or packages, also by the name in package.xml; or a mapping of names to
@@ -131,45 +137,57 @@ class Robot(ConfigurationSpace):
                 effectors; `Robot.semantics`. What it has for links or joints that the robot does
                 not have is noted.
             scale: factor of all lengths.
-            error: meters by which the mesh of a cylinder or sphere, which encloses it, may exceed
-                it.
+            error: meters by which the mesh of a round shape, which encloses it, may exceed it.
             method, tolerance: of the shapes, see `Shape`.
-            soft_limits: keep to the soft limits of safety controllers as well.
-            xacro_args: values of `<xacro:arg>` by name. A xacro file (.xacro) has expressions that
-                are evaluated, and includes other files: expand those that you trust.
+            soft_limits: keep to the soft limits of URDF's safety controllers as well.
+            xacro_args: values of `<xacro:arg>` by name. A xacro file has expressions that are
+                evaluated, and includes other files: expand those that you trust.
+            root: name of the first body of the robot, in an MJCF file with several.
             name: None: the name in the file.
-            base, drive, mount, workspace: see `Robot`.
+            mount: None: the file's, or the identity; see `Robot`.
+            drive, workspace: see `Robot`.
 
         Raises:
             FileNotFoundError: the file, or a mesh in it, with the places searched.
-            ModuleNotFoundError: yourdfpy is not installed.
-            ValueError: invalid content, with file, line or link.
+            ModuleNotFoundError: the extra is not installed.
+            ValueError: invalid content, with file, line or link; what is not supported; an option
+                that the format does not have.
         """
         if number_of(scale, "scale", 0.0, finite=True) == 0:
             raise ValueError("scale: got 0, expected a factor over 0")
-        packages: dict[str, Path] = {}
-        if isinstance(package_dirs, Mapping):
-            packages = {name: Path(folder) for name, folder in package_dirs.items()}
-            package_dirs = ()
-        folders = [package_dirs] if isinstance(package_dirs, (str, Path)) else package_dirs
-        searched = PackagePaths(tuple(Path(folder) for folder in folders), packages)
-        options = {"method": method, "tolerance": tolerance}
-        given = xacro_args or {}
-        reader = Reader(Path(path), searched, collision, scale, error, options, soft_limits, given)
-        label, links, joints = reader.read()
-        semantics = NO_SEMANTICS
+        options = ReadOptions(
+            PackagePaths.of(package_dirs),
+            collision,
+            scale,
+            error,
+            {"method": method, "tolerance": tolerance},
+            soft_limits,
+            xacro_args or {},
+            root,
+        )
+        file = read_robot(Path(path), options)
+        if file.other_geometry and not any(link.shapes for link in file.links):
+            other = "visual" if collision else "collision"
+            warnings.warn(
+                f"{path}: got no geometry but {other}, so that nothing collides; give"
+                f" collision={not collision} to use it",
+                UserWarning,
+                stacklevel=2,
+            )
+        base, semantics = base or file.base, NO_SEMANTICS
+        placed = file.mount if base == file.base else file.placement
         if srdf is not None:
-            semantics = read_srdf(srdf, label, links, joints, base)
+            semantics = read_srdf(srdf, file.name, file.links, file.joints, base)
         return cls(
-            name or label,
-            tuple(links),
-            tuple(joints),
+            name or file.name,
+            tuple(file.links),
+            tuple(file.joints),
             base,
-            as_pose(mount, "mount"),
+            placed if mount is None else as_pose(mount, "mount"),
             workspace,  # type: ignore[arg-type]
             drive,
-            semantics.allowed,
-            (*reader.notes, *semantics.notes),
+            (*file.allowed, *semantics.allowed),
+            (*file.notes, *semantics.notes),
             semantics,
         )
 

@@ -25,6 +25,8 @@ class RobotFile:
             a base other than the file's.
         allowed: pairs of links that may touch, as the file says.
         notes: sentences on what the file has and the robot does not, or has otherwise.
+        other_geometry: whether the file has geometry of the kind, collision or visual, that was not
+            asked for.
     """
 
     name: str
@@ -35,3 +37,4 @@ class RobotFile:
     placement: Floats = field(default_factory=lambda: np.eye(4))
     allowed: list[tuple[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    other_geometry: bool = False

@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import itertools
 import operator
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -93,14 +92,17 @@ class _Reader:
         joints = SdfJoints(document, self.frames, static, self._model_pose())
         base, place = self._connect(joints, static)
         links += joints.links
-        self._note(static, links)
+        self._note(static)
         try:
             in_order(links, joints.joints)
         except ValueError as error:
             raise ValueError(f"path: {document.path}: {error}") from None
         name = document.named(model)
         mount = place if base == "fixed" else np.eye(4)
-        return RobotFile(name, links, joints.joints, base, mount, place, allowed, document.notes)
+        unused = "visual" if self.geometry.collision else "collision"
+        other = any(element.all(unused) for element in model.all("link"))
+        parts = name, links, joints.joints, base, mount, place, allowed, document.notes
+        return RobotFile(*parts, other_geometry=other)
 
     def _links(self) -> tuple[list[Link], list[tuple[str, str]]]:
         """Links with shapes, and pairs of links with no bit in common."""
@@ -164,21 +166,9 @@ class _Reader:
             ends.append(JointEnds(joint, parent, child, in_world))
         return ends
 
-    def _note(self, static: bool, links: list[Link]) -> None:
+    def _note(self, static: bool) -> None:
         document, model = self.document, self.document.model
         if static and any(joint.get("type") != "fixed" for joint in model.all("joint")):
             document.note("The model is static; its joints do not move.")
         if not document.flag(model, "self_collide"):
             document.note("self_collide is not set; collisions between links are checked anyway.")
-        shaped = any(link.shapes for link in links)
-        if (
-            self.geometry.collision
-            and not shaped
-            and any(e.all("visual") for e in model.all("link"))
-        ):
-            warnings.warn(
-                f"{document.path}: got visual but no collision geometry, so that nothing collides;"
-                " give collision=False to use the visual geometry",
-                UserWarning,
-                stacklevel=4,
-            )

@@ -7,9 +7,8 @@ sines and cosines, so that a file gives the same robot, bit for bit, on every ma
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,96 +17,84 @@ import numpy as np
 from fgenv import _core
 from fgenv.arrays import Floats
 from fgenv.collision import Shape
-from fgenv.collision.mesh_files import read_mesh_file
 
 from . import primitives
-from .configuration_space import ConfigurationSpace, source_limits
 from .links_joints import MAX_VALUE, Joint, Link, LinkShape, Mimic
-from .mesh_location import PackagePaths, find_mesh
-from .topology import mimic_source
+from .mesh_location import PackagePaths
+from .mesh_shapes import MeshShapes
+from .robot_file import RobotFile
 from .urdf_document import check_document, load_model, numbers, parsed_document, quaternion
 from .xacro_files import expand_xacro
 
 
+def read_urdf(
+    path: Path,
+    packages: PackagePaths,
+    *,
+    collision: bool,
+    scale: float,
+    error: float,
+    shape_options: dict[str, Any],
+    soft_limits: bool = False,
+    xacro_args: Mapping[str, str] | None = None,
+) -> RobotFile:
+    """Read the robot of a URDF file, or of a xacro file (.xacro).
+
+    Args:
+        packages: folders in which packages are searched first.
+        collision: True: use collision geometry; False: visual geometry.
+        scale: factor of all lengths.
+        error: meters by which the mesh of a cylinder or sphere, which encloses it, may exceed it.
+        shape_options: of Shape.
+        soft_limits: keep to the limits of <safety_controller> as well.
+        xacro_args: values of <xacro:arg> by name.
+
+    Raises:
+        FileNotFoundError: the file, or a mesh in it, with the places searched.
+        ModuleNotFoundError: yourdfpy or xacro is not installed.
+        ValueError: invalid content, with file, line or link.
+    """
+    meshes = MeshShapes(path, packages, scale, shape_options)
+    reader = _Reader(path, collision, scale, error, meshes, soft_limits)
+    if path.suffix.lower() != ".xacro":
+        if xacro_args:
+            raise ValueError(f"xacro_args: got some for {path}, expected a .xacro file")
+        return reader.read()
+    text = expand_xacro(path, xacro_args or {}, packages)
+    try:
+        return reader.read(text)
+    except ValueError as fault:
+        raise ValueError(f"{fault} (lines of the expanded file: xacro {path})") from fault
+
+
 @dataclass
-class Reader:
+class _Reader:
     """Reader of one URDF file."""
 
     path: Path
-    packages: PackagePaths
     collision: bool
     scale: float
     error: float  # meters, of cylinders and spheres
-    shape_options: dict[str, Any]  # of Shape
-    soft_limits: bool = False  # of <safety_controller>, where it has them
-    xacro_args: Mapping[str, str] = field(default_factory=dict)
-    meshes: dict[tuple[Any, ...], Shape] = field(default_factory=dict)
+    meshes: MeshShapes
+    soft_limits: bool
     notes: list[str] = field(default_factory=list)
 
-    def read(self) -> tuple[str, list[Link], list[Joint]]:
-        """Return name, links and joints of the file."""
-        if self.path.suffix.lower() != ".xacro":
-            if self.xacro_args:
-                raise ValueError(f"xacro_args: got some for {self.path}, expected a .xacro file")
-            return self._read(None)
-        text = expand_xacro(self.path, self.xacro_args, self.packages)
-        try:
-            return self._read(text)
-        except ValueError as error:
-            raise ValueError(f"{error} (lines of the expanded file: xacro {self.path})") from error
+    def read(self, text: bytes | None = None) -> RobotFile:
+        """Return the robot.
 
-    def _read(self, text: bytes | None) -> tuple[str, list[Link], list[Joint]]:
+        Args:
+            text: None: the content of the file.
+        """
         document = parsed_document(self.path, self.notes, text=text)
-        seen = document.find("link/visual") is not None
-        kind = "collision" if self.collision else "visual"
+        kind, unused = ("collision", "visual")[:: 1 if self.collision else -1]
+        other = document.find(f"link/{unused}") is not None
         check_document(document, self.path, kind)
         model = load_model(document, self.path)
         texts = document.findall("link"), document.findall("joint")
         links = [self._link(link, text) for link, text in zip(model.links, texts[0], strict=True)]
         slides = {joint.name for joint in model.joints if joint.type == "prismatic"}
         joints = [self._joint(j, t, slides) for j, t in zip(model.joints, texts[1], strict=True)]
-        shaped = any(link.shapes for link in links)
-        if self.collision and not shaped and seen:
-            warnings.warn(
-                f"{self.path}: got visual but no collision geometry, so that nothing collides;"
-                " give collision=False to use the visual geometry",
-                UserWarning,
-                stacklevel=3,
-            )
-        joints = self._without_contradictions(joints)
-        try:
-            ConfigurationSpace(model.name, tuple(links), tuple(joints))
-        except ValueError as error:
-            raise ValueError(f"{self.path}: {error}") from None
-        return model.name, links, joints
-
-    def _without_contradictions(self, joints: list[Joint]) -> list[Joint]:
-        """Joints that mimic others without limits that leave the others no room; noted.
-
-        Many grippers' files give a joint that turns the other way the limits of the joint that it
-        mimics.
-        """
-        by_name = {joint.name: joint for joint in joints}
-        limits = {joint.name: (joint.lower, joint.upper) for joint in joints}
-        result = list(joints)
-        for i, joint in enumerate(joints):
-            if joint.mimic is None:
-                continue
-            try:
-                source, multiplier, offset = mimic_source(joint, by_name)
-            except ValueError:  # Robot reports it
-                continue
-            own, low_high = limits[source.name], source_limits(joint, multiplier, offset)
-            both = max(own[0], low_high[0]), min(own[1], low_high[1])
-            if both[0] < both[1] or both[0] == both[1] == own[0] == own[1]:
-                limits[source.name] = both
-                continue
-            self.notes.append(
-                f"The limits of joint {joint.name!r} contradict those of {source.name!r}, which it"
-                " mimics; they are left out."
-            )
-            result[i] = replace(joint, lower=-math.inf, upper=math.inf)
-        return result
+        return RobotFile(model.name, links, joints, notes=self.notes, other_geometry=other)
 
     def _link(self, link: Any, text: Any) -> Link:
         kind = "collision" if self.collision else "visual"
@@ -167,43 +154,23 @@ class Reader:
 
     def _shape(self, geometry: Any, link: str) -> tuple[Shape, float]:
         if geometry.mesh is not None:
-            return self._mesh(geometry.mesh, link), 0.0
+            scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
+            factors = tuple(np.broadcast_to(scale, 3).astype(float).tolist())
+            label = f"{self.path}: link {link!r}"
+            return self.meshes.shape(geometry.mesh.filename, factors, label), 0.0
         try:
             return self._primitive(geometry)
         except ValueError as error:
             raise ValueError(f"{self.path}: link {link!r}: {error}") from None
 
     def _primitive(self, geometry: Any) -> tuple[Shape, float]:
-        k, options = self.scale, self.shape_options
+        k, options = self.scale, self.meshes.options
         if geometry.box is not None:
             return primitives.box(k * geometry.box.size, **options), 0.0
         if geometry.sphere is not None:
             return primitives.sphere(k * geometry.sphere.radius, self.error, **options)
         form = geometry.cylinder
         return primitives.cylinder(k * form.radius, k * form.length, self.error, **options)
-
-    def _mesh(self, mesh: Any, link: str) -> Shape:
-        """The shape of a mesh file, scaled, mirrored for a negative scale; cached."""
-        try:
-            file = find_mesh(mesh.filename, self.path, self.packages)
-        except FileNotFoundError as error:
-            raise FileNotFoundError(f"{self.path}: link {link!r}: {error}") from None
-        scale = np.broadcast_to(1.0 if mesh.scale is None else mesh.scale, 3).astype(float)
-        key = (file, *scale)
-        if key not in self.meshes:
-            if not (np.isfinite(scale) & (scale != 0)).all():
-                raise ValueError(
-                    f"{self.path}: link {link!r}: mesh scale: got {mesh.scale}, expected"
-                    " numbers but 0"
-                )
-            mesh_data = read_mesh_file(file, self.scale)
-            faces = mesh_data.faces[:, ::-1] if np.prod(scale) < 0 else mesh_data.faces
-            vertices = mesh_data.vertices * scale  # in meters
-            try:
-                self.meshes[key] = Shape(vertices, faces, name=file.stem, **self.shape_options)
-            except ValueError as error:
-                raise ValueError(f"{self.path}: link {link!r}: {file}: {error}") from None
-        return self.meshes[key]
 
 
 def rotation_of_quaternion(x: float, y: float, z: float, w: float) -> list[list[float]]:

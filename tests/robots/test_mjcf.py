@@ -421,8 +421,10 @@ def test_a_geom_of_an_explicit_pair_collides(tmp_path: Path) -> None:
 
 def test_a_robot_without_geoms_that_collide_gives_a_warning(tmp_path: Path) -> None:
     body = "<body><joint/><geom size='.1' contype='0' conaffinity='0'/></body>"
+    path = written(tmp_path, body)
+    assert read(path).other_geometry
     with pytest.warns(UserWarning, match="collision=False"):
-        loaded(tmp_path, body)
+        Robot.load(path)
 
 
 @pytest.mark.parametrize("kind", ["plane", "hfield"])

@@ -354,7 +354,7 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
 def test_a_robot_without_collision_geometry_warns(tmp_path: Path) -> None:
     ball = "<visual><geometry><sphere radius='1'/></geometry></visual>"
     path = written(tmp_path, f"<robot name='r'><link name='a'>{ball}</link></robot>")
-    with pytest.warns(UserWarning, match="no collision geometry, so that nothing collides; give"):
+    with pytest.warns(UserWarning, match="no geometry but visual, so that nothing collides; give"):
         assert not Robot.load(path).parts
     assert len(Robot.load(path, collision=False).parts) == 1
 
