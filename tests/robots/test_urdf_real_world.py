@@ -183,7 +183,6 @@ def test_encoded_names_and_file_uris(tmp_path: Path) -> None:
         assert len(robot(tmp_path, with_mesh(uri)).parts) == 1
 
 
-
 def test_space_before_the_xml_declaration_is_noted(tmp_path: Path) -> None:
     (tmp_path / "r.urdf").write_text(
         '\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>'

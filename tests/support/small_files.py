@@ -102,12 +102,12 @@ MESH_ROBOT = b"""<robot name="part"><link name="base"><collision><geometry>
 
 def _robots() -> Iterator[SmallFile]:
     def with_srdf(path: Path) -> Robot:
-        return Robot.from_urdf(path.with_name("arm.urdf"), srdf=path)
+        return Robot.load(path.with_name("arm.urdf"), srdf=path)
 
     stl = meshes.binary_stl(*scenes.box())
-    yield SmallFile("arm.urdf", URDF, Robot.from_urdf)
+    yield SmallFile("arm.urdf", URDF, Robot.load)
     yield SmallFile("arm.srdf", SRDF, with_srdf, {"arm.urdf": URDF})
-    yield SmallFile("part.stl", stl, through("m.urdf", Robot.from_urdf), {"m.urdf": MESH_ROBOT})
+    yield SmallFile("part.stl", stl, through("m.urdf", Robot.load), {"m.urdf": MESH_ROBOT})
 
 
 SCENARIO = b"""version: 1
