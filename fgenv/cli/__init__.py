@@ -20,6 +20,7 @@ from fgenv.cli import (
     plot,
     render,
     replay,
+    robot,
     run,
     scenarios,
     train,
@@ -50,6 +51,7 @@ EPILOG = """
   fgenv validate s.yaml                   all errors of a scenario file
   fgenv export warehouse --to glb         a scenario for other programs
   fgenv mesh link.dae --picture link.png  what a mesh file specifies
+  fgenv robot arm.urdf --srdf arm.srdf    what a robot file specifies
   fgenv compare                           accuracy and speed of each method
   fgenv bench pairs                       compare with other collision libraries
   fgenv bench world                       the same with many moving bodies
@@ -110,6 +112,7 @@ app.command()(plot.plot)
 app.command()(scenarios.scenarios)
 app.command()(validate.validate)
 app.command()(mesh.mesh)
+app.command()(robot.robot)
 app.command()(export.export)
 app.command()(compare.compare)
 app.add_typer(bench.app)

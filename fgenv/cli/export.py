@@ -11,6 +11,7 @@ import typer
 
 from fgenv.cli.completion import export_formats, scenario_names
 from fgenv.cli.files import check_target, echo_written
+from fgenv.cli.numbers import numbers
 from fgenv.cli.options import (
     Json,
     Robots,
@@ -29,13 +30,13 @@ if TYPE_CHECKING:
 
 MESHES = ("glb", "obj", "stl")
 FORMATS = {"mesh": MESHES, "robot": ("urdf", *MESHES), "scenario": ("yaml", *MESHES)}
-ROBOT_SUFFIXES = (".urdf",)
+ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", ".xml")
 
 Source = Annotated[
     str,
     typer.Argument(
         metavar="FILE",
-        help="Mesh, robot (.urdf), scenario file, or built-in scenario.",
+        help="Mesh, robot, scenario file, or built-in scenario.",
         autocompletion=scenario_names,
     ),
 ]
@@ -173,15 +174,3 @@ def written_meshes(meshes: Iterable[PlacedMesh], path: Path) -> list[Path]:
 
     write_meshes(list(meshes), path)
     return [path]
-
-
-def numbers(text: str) -> list[float]:
-    """Return numbers with commas between.
-
-    Raises:
-        ValueError: others.
-    """
-    try:
-        return [float(word) for word in text.replace(",", " ").split()]
-    except ValueError:
-        raise ValueError(f"--q: got {text!r}, expected numbers with commas between") from None

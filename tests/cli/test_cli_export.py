@@ -70,3 +70,15 @@ def test_errors_are_one_line(shell: Shell, arguments: str, message: str) -> None
     trimesh.creation.box().export("box.obj")
     assert message in shell.refuses("export", *arguments.split())
     assert [p.name for p in Path().iterdir()] == ["box.obj"]
+
+
+def test_robots_of_other_formats_are_exported(shell: Shell) -> None:
+    Path("arm.xml").write_text(
+        '<mujoco model="arm"><worldbody><body name="base"><geom size="0.1"/><body name="tip">'
+        '<joint name="turn" range="-90 90"/><geom type="box" size="1 1 1"/></body></body>'
+        "</worldbody></mujoco>"
+    )
+    shell.json("export", "arm.xml", "--to", "urdf", "--out", "copy.urdf")
+    robot, copy = Robot.load("arm.xml"), Robot.load("copy.urdf", srdf="copy.srdf")
+    assert copy.coordinates == ("turn",)
+    np.testing.assert_allclose(copy.upper, robot.upper)
