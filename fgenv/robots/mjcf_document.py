@@ -74,6 +74,12 @@ class DocumentCheck:
             for element in document.below():
                 self._check_files(element, file)
 
+    def mesh_files(self) -> dict[str, str]:
+        """Files of the meshes by name, as the documents have them."""
+        meshes = (e for root in self.documents.values() for e in root.below() if e.tag == "mesh")
+        files = ((mesh.get("name"), mesh.get("file")) for mesh in meshes)
+        return {name or Path(file).stem: file for name, file in files if file}
+
     def _document(self, path: Path) -> Element:
         """The root element of a document; its models and folders are stored."""
         if path not in self.documents:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from fgenv.printable import printable
 
 from .mjcf_document import DocumentCheck
 
@@ -35,12 +37,13 @@ def compiled_model(path: Path, collision: bool, notes: list[str]) -> Any:
             f"to read MJCF, {error.name} is needed; remedy: pip install 'fgenv[mjcf]'",
             name=error.name,
         ) from None
-    DocumentCheck(path).run()
+    documents = DocumentCheck(path)
+    documents.run()
     with _warnings_in(notes, mujoco):
         try:
             return _compiled(mujoco, path)
         except Exception as error:  # ValueError, FatalError, or whatever its parts raise
-            fault = _error(path, error)
+            fault = _error(path, error, documents.mesh_files())
             if not (collision and isinstance(fault, FileNotFoundError)):
                 raise fault from None
             return _without_visual_meshes(mujoco, path, fault, notes)
@@ -128,16 +131,19 @@ def _reduce(spec: Any, mujoco: Any) -> None:
         texture.width, texture.height = 1, 6 if texture.type else 1
 
 
-def _error(path: Path, error: Exception) -> Exception:
-    """The error of MuJoCo, with the file and the line first."""
+def _error(path: Path, error: Exception, mesh_files: Mapping[str, str]) -> Exception:
+    """The error of MuJoCo, with the file and the line first, and the file of a faulty mesh."""
     text = str(error)
     line = re.search(r"line(?: number=|\s+)(\d+)", text, re.IGNORECASE)
     place = f"{path}: line {line[1]}" if line and int(line[1]) else f"path: {path}"
     if missing := re.search(r"[Ee]rror opening file '([^']*)'", text):
         return FileNotFoundError(f"{place}: got no file {missing[1]!r}; put it there")
-    return ValueError(f"{place}: got {_one_line(text)}, expected {EXPECTED}")
+    element = re.search(r"Element name '([^']*)'", text)
+    file = mesh_files.get(element[1]) if element else None
+    within = f"mesh file {file!r}: " if file else ""
+    return ValueError(f"{place}: {within}got {_one_line(text)}, expected {EXPECTED}")
 
 
 def _one_line(text: str) -> str:
     short = re.sub(r"^((XML )?Error:\s*)+", "", text.strip())
-    return re.sub(r"\s*\n\s*", "; ", short)[:300].rstrip(" .;")
+    return printable(re.sub(r"\s*\n\s*", "; ", short)[:300].rstrip(" .;"))

@@ -99,6 +99,40 @@ SRDF = b"""<?xml version="1.0"?>
 MESH_ROBOT = b"""<robot name="part"><link name="base"><collision><geometry>
 <mesh filename="part.stl" scale="1 2 1"/></geometry></collision></link></robot>"""
 
+MJCF = b"""<?xml version="1.0"?>
+<mujoco model="arm"><!-- an arm -->
+  <compiler angle="radian"/>
+  <default><geom density="100"/></default>
+  <asset><mesh name="part" file="part.obj"/></asset>
+  <worldbody><geom type="plane" size="1 1 1"/>
+    <body name="base"><geom type="cylinder" size="0.1 0.2" euler="0 0.5 0"/>
+      <body name="hand" pos="0 0 1"><joint name="turn" axis="0 1 0" range="-1 1"/>
+        <geom type="box" size="0.1 0.2 0.3"/>
+        <body name="tip"><joint name="slide" type="slide"/>
+          <geom type="capsule" size="0.1" fromto="0 0 0 0 0 1"/></body>
+        <body name="tool"><joint name="spin" ref="0.5"/><geom type="mesh" mesh="part"/></body>
+      </body></body></worldbody>
+  <equality><joint joint1="slide" joint2="turn" polycoef="0 0.5 0 0 0"/></equality>
+  <contact><exclude body1="base" body2="tip"/></contact>
+</mujoco>
+"""
+SDF = b"""<?xml version="1.0"?>
+<sdf version="1.9"><model name="arm"><!-- an arm -->
+  <pose degrees="true">0 0 1 0 0 90</pose>
+  <link name="base"><collision name="c"><geometry>
+    <cylinder><radius>0.1</radius><length>0.2</length></cylinder></geometry></collision></link>
+  <link name="hand"><pose relative_to="turn"/><collision name="c"><pose>0 0 0.1 0 0 0</pose>
+    <geometry><box><size>0.1 0.2 0.3</size></box></geometry></collision></link>
+  <link name="tip"><collision name="c"><geometry><mesh><uri>part.stl</uri>
+    <scale>1 2 1</scale></mesh></geometry></collision></link>
+  <joint name="turn" type="revolute"><pose relative_to="base">0 0 1 0 0.5 0</pose>
+    <parent>base</parent><child>hand</child>
+    <axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+  <joint name="slide" type="prismatic"><parent>hand</parent><child>tip</child>
+    <axis><xyz expressed_in="base">1 0 0</xyz><mimic joint="turn"/></axis></joint>
+</model></sdf>
+"""
+
 
 def _robots() -> Iterator[SmallFile]:
     def with_srdf(path: Path) -> Robot:
@@ -108,6 +142,12 @@ def _robots() -> Iterator[SmallFile]:
     yield SmallFile("arm.urdf", URDF, Robot.load)
     yield SmallFile("arm.srdf", SRDF, with_srdf, {"arm.urdf": URDF})
     yield SmallFile("part.stl", stl, through("m.urdf", Robot.load), {"m.urdf": MESH_ROBOT})
+    part = meshes.obj(*meshes.prism()).encode()
+    yield SmallFile("arm.xml", MJCF, Robot.load, {"part.obj": part})
+    named = MJCF.replace(b"part.obj", b"tool.obj"), MJCF.replace(b"part.obj", b"tool.stl")
+    yield SmallFile("tool.obj", part, through("o.xml", Robot.load), {"o.xml": named[0]})
+    yield SmallFile("tool.stl", stl, through("s.xml", Robot.load), {"s.xml": named[1]})
+    yield SmallFile("arm.sdf", SDF, Robot.load, {"part.stl": stl})
 
 
 SCENARIO = b"""version: 1
