@@ -78,7 +78,9 @@ class Model(Spec):
 
     shape: Name | None = Field(default=None, description="Name of a shape: a robot of one link")
     urdf: Name | None = Field(
-        default=None, description="URDF file, relative to the scenario file, or package://NAME/PATH"
+        default=None,
+        description="Robot file (URDF, xacro, MJCF or SDF), relative to the scenario file, or"
+        " package://NAME/PATH",
     )
     srdf: Name | None = Field(
         default=None,
