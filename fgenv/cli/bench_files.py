@@ -14,7 +14,7 @@ from fgenv.cli.options import Json
 if TYPE_CHECKING:
     from rich.console import Console
 
-PACKAGES = ("fgenv", "trimesh", "assimp-py", "meshio", "pin")
+PACKAGES = ("fgenv", "trimesh", "assimp-py", "meshio", "pin", "mujoco")
 Quick = Annotated[
     bool, typer.Option("--quick", help="Read a hundred files and a smaller STL file.")
 ]
@@ -25,9 +25,9 @@ def files(quick: Quick = False, as_json: Json = False) -> None:
 
     Meshes: extents, area and volume against assimp, meshio and trimesh.
     Robots: forward kinematics, origins and scales of meshes of URDF files
-    against pinocchio. Each difference and each refusal has a reason, or is
-    listed as unexplained. Then time and memory of loading STL files of one and
-    five million triangles.
+    against pinocchio, poses of bodies and geoms of MJCF files against MuJoCo.
+    Each difference and each refusal has a reason, or is listed as unexplained.
+    Then time and memory of loading STL files of one and five million triangles.
 
     Exit code 1 if a difference is unexplained.
     Needs the bench extra: pip install "fgenv\\[bench]".
@@ -46,12 +46,15 @@ def all_parts(quick: bool, progress: Callable[[str], None]) -> Iterator[tuple[st
     """Yield part and row of all measurements."""
     from fgenv.bench.files.load_times import bench_load_times
     from fgenv.bench.files.meshes import bench_meshes
+    from fgenv.bench.files.mjcf import bench_mjcf
     from fgenv.bench.files.robots import bench_robots
 
     for row in bench_meshes(quick, progress):
         yield "meshes", row
     for row in bench_robots(quick, progress):
         yield "robots", row
+    for row in bench_mjcf(quick, progress):
+        yield "mjcf", row
     for row in bench_load_times(quick, progress):
         yield "loading", row
 

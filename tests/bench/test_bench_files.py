@@ -9,7 +9,7 @@ import pytest
 import trimesh as tm
 from support.shell import Shell
 
-from fgenv.bench.files import robots
+from fgenv.bench.files import mjcf, robots
 from fgenv.bench.files.explanations import AGREES, READS, REFUSES, UNIT
 from fgenv.bench.files.load_times import torus
 from fgenv.bench.files.meshes import compare_file, files_with, verdict_of
@@ -134,5 +134,31 @@ def test_reasons_of_refusals_are_counted(
 @pytest.mark.slow
 def test_every_urdf_file_agrees_or_is_refused_for_a_known_reason() -> None:
     rows = list(robots.bench_robots(False, print))
+    assert [row for row in rows if row["unexplained"]] == []
+    assert max(rows, key=lambda row: row["files"])["result"] == robots.AGREES
+
+
+BODY = """<mujoco><worldbody><body name="a"><joint name="j" pos="{x} 0 0"/><geom size="1"/></body>
+  </worldbody></mujoco>"""
+
+
+def test_an_mjcf_file_that_differs_from_mujoco_is_unexplained(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "arm.xml"
+    file.write_text(BODY.format(x=0.5))
+    monkeypatch.setattr(mjcf, "files_with", lambda suffixes: [("arm", file)])
+    (row,) = mjcf.bench_mjcf(False, print)
+    assert (row["result"], row["files"], row["unexplained"]) == (robots.AGREES, 1, [])
+    own = Robot.load(file)
+    file.write_text(BODY.format(x=0.6))
+    monkeypatch.setattr(Robot, "load", lambda path: own)
+    (row,) = mjcf.bench_mjcf(False, print)
+    assert (row["result"], row["unexplained"]) == ("poses differ", ["arm"])
+
+
+@pytest.mark.slow
+def test_every_mjcf_file_agrees_or_is_refused_for_a_known_reason() -> None:
+    rows = list(mjcf.bench_mjcf(False, print))
     assert [row for row in rows if row["unexplained"]] == []
     assert max(rows, key=lambda row: row["files"])["result"] == robots.AGREES

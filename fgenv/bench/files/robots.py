@@ -6,7 +6,7 @@ import itertools
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -42,15 +42,25 @@ def bench_robots(quick: bool, progress: Any) -> Iterator[Record]:
     """Yield a row for each result: agreement, or a reason of refusal."""
     files = files_with({".urdf"})
     files = files[:: max(1, len(files) // 60)] if quick else files
+    yield from results_of(files, compare_robot, REASONS, progress)
+
+
+def results_of(
+    files: Sequence[tuple[str, Path]],
+    compare: Callable[[Path], tuple[str, float]],
+    reasons: Mapping[str, str],
+    progress: Any,
+) -> Iterator[Record]:
+    """Yield a row for each result of the comparison of files."""
     results: dict[str, list[tuple[str, float]]] = {}
     for k, (label, path) in enumerate(files):
         progress(f"{k} of {len(files)} robots: {label}")
-        result, difference = compare_robot(path)
+        result, difference = compare(path)
         results.setdefault(result, []).append((label, difference))
     for result, rows in sorted(results.items(), key=lambda item: -len(item[1])):
         labels = [label for label, _ in rows]
         refused = result.startswith(REFUSED)
-        explained = result == AGREES or result.removeprefix(REFUSED) in REASONS
+        explained = result == AGREES or result.removeprefix(REFUSED) in reasons
         yield {
             "result": result,
             "files": len(rows),
@@ -71,7 +81,7 @@ def compare_robot(path: Path) -> tuple[str, float]:
             warnings.simplefilter("ignore")
             robot = Robot.load(path, package_dirs=package_folders(path))
     except (ValueError, OSError) as error:
-        return REFUSED + reason_of(str(error)), math.nan
+        return REFUSED + reason_of(str(error), REASONS), math.nan
     peer = Pinocchio(path, robot)
     rng = np.random.default_rng(0)
     low, high = np.maximum(robot.lower, -3.0), np.minimum(robot.upper, 3.0)
@@ -86,9 +96,9 @@ def compare_robot(path: Path) -> tuple[str, float]:
     return "shapes differ" if differing else AGREES, difference
 
 
-def reason_of(message: str) -> str:
-    """The reason in REASONS that an error has, or the error without its place."""
-    found = (reason for reason, pattern in REASONS.items() if re.search(pattern, message))
+def reason_of(message: str, reasons: Mapping[str, str]) -> str:
+    """The reason that an error has, or the error itself."""
+    found = (reason for reason, pattern in reasons.items() if re.search(pattern, message))
     return next(found, message)
 
 
