@@ -102,7 +102,7 @@ def _likely(model: Any, trees: list[int]) -> list[int]:
 
 def _note_scene(model: Any, bodies: list[str], notes: list[str]) -> None:
     geoms = int(np.count_nonzero(np.asarray(model.geom_bodyid) == 0))
-    parts = [f"{geoms} geoms of the world"] if geoms else []
+    parts = [f"geoms of the world ({geoms})"] if geoms else []
     parts += [f"bodies {listed(map(repr, bodies))}"] if bodies else []
     if parts:
         notes.append(f"Left out as scene: {' and '.join(parts)}.")

@@ -325,7 +325,7 @@ def test_scene_and_objects_are_left_out_with_a_note(tmp_path: Path) -> None:
     thing = f"<body name='mug'><freejoint/>{BALL}</body>"
     file = read(written(tmp_path, scene + ARM + thing))
     assert [link.name for link in file.links] == ["base", "upper", "hand"]
-    assert any("1 geoms of the world" in note and "'table', 'mug'" in note for note in file.notes)
+    assert any("geoms of the world (1)" in note and "'table', 'mug'" in note for note in file.notes)
 
 
 def test_several_robots_need_the_name_of_one(tmp_path: Path) -> None:
