@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any, NoReturn
 
+from fgenv.printable import printable
 from fgenv.regular_file import read_regular
 
 from .links_joints import JOINT_KINDS, number_of
@@ -71,13 +72,14 @@ def parsed_document(
     try:
         root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:  # nothing to recover
-        raise ValueError(f"path: {path}: got {error.msg}, expected {kind}") from None
+        reason = printable(error.msg.strip())
+        raise ValueError(f"path: {path}: got {reason}, expected {kind}") from None
     if root is not None and root.getroottree().docinfo.doctype:
         raise ValueError(f"path: {path}: got a document type, expected XML without; remove it")
     for fault in parser.error_log:
         if fault.domain_name != "NAMESPACE":
-            line = f"path: {path}: line {fault.line}"
-            raise ValueError(f"{line}: got {fault.message}, expected XML")
+            reason = printable(fault.message.strip())
+            raise ValueError(f"path: {path}: line {fault.line}: got {reason}, expected XML")
     if root is not None and (default := root.nsmap.get(None)):
         notes.append(f"The default namespace {default} is ignored.")
         for element in root.iter(f"{{{default}}}*"):
@@ -149,7 +151,7 @@ def check_document(document: Any, path: Path, kind: str) -> None:
 
 
 def _fail(path: Path, element: Any, text: str) -> NoReturn:
-    raise ValueError(f"{path}: line {element.sourceline}: {text}")
+    raise ValueError(f"{path}: line {element.sourceline}: {printable(text)}")
 
 
 def _check_joint(joint: Any, path: Path) -> None:
@@ -208,7 +210,8 @@ def load_model(document: Any, path: Path) -> Any:
     try:
         return yourdfpy.URDF.load(text, build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy raises whatever its parts raise
-        raise ValueError(f"path: {path} cannot be read ({error}), expected a URDF file") from error
+        reason = printable(str(error).strip()[:200])
+        raise ValueError(f"path: {path} cannot be read ({reason}), expected a URDF file") from error
 
 
 def quaternion(origin: Any, path: Path) -> tuple[float, float, float, float]:

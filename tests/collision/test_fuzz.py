@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fuzz import loader, queries
+from fuzz import queries
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -216,16 +216,3 @@ def test_any_bytes_as_a_question(data: bytes) -> None:
 @pytest.mark.parametrize("data", queries.seeds(), ids=lambda data: f"{data[0]}-{len(data)}")
 def test_seeds_of_the_fuzzer(data: bytes) -> None:
     queries.ask(data)
-
-
-@given(
-    whole=st.sampled_from(loader.seeds()),
-    changes=st.dictionaries(st.integers(0, 5000), st.integers(0, 255), max_size=8),
-    length=st.one_of(st.none(), st.integers(0, 5000)),
-)
-def test_damaged_files(whole: bytes, changes: dict[int, int], length: int | None) -> None:
-    data = bytearray(whole[:length])
-    for at, value in changes.items():
-        if data:
-            data[at % len(data)] = value
-    loader.load(bytes(data))

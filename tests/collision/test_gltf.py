@@ -359,7 +359,7 @@ FAULTS: dict[str, tuple[bytes, str]] = {
                 or f.content["accessors"][0].pop("bufferView")
             )
         ),
-        "10{12} elements",
+        "elements without a bufferView",
     ),
     "stride": (at("bufferViews", 0, byteStride=4), "byteStride of 4"),
     "view beyond its buffer": (at("bufferViews", 1, byteLength=10**6), "buffer"),

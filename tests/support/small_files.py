@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import struct
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -17,7 +19,7 @@ import fgenv
 from fgenv.agents import run_episode
 from fgenv.agents.policies.policy_file import PolicyFile
 from fgenv.agents.weights import included
-from fgenv.collision import Shape
+from fgenv.collision import MeshWarning, Shape
 from fgenv.envs import Record, Simulator, policy_of
 from fgenv.planners import Plan
 from fgenv.robots import Robot
@@ -51,6 +53,26 @@ class SmallFile:
         path = self.path(folder)
         path.write_bytes(self.content if content is None else content)
         return path
+
+    def outcome(self, path: Path) -> Any:
+        """What the reader returns; None for a file that it refuses by a clear error."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MeshWarning)
+            try:
+                return self.read(path)
+            except (ValueError, OSError) as error:
+                text = str(error)
+        # A fault of a buffer is reported at the place of the document that refers to it.
+        assert path.name in text or (path.name == "box.bin" and "o.gltf" in text), text
+        check_text(text)
+        return None
+
+
+def check_text(text: str) -> None:
+    """Assert that an error does not quote a file at length, nor its control characters."""
+    lines = text.splitlines()
+    assert len(lines) == 1 or "problems" in lines[0] or lines[0].endswith(":"), text
+    assert all(line.isprintable() and len(line) < 800 for line in lines), text
 
 
 def through(name: str, read: Reader) -> Reader:

@@ -13,16 +13,15 @@ from fgenv.arrays import Flags, Floats, Vertices
 def compose(first: Floats, second: Floats) -> Floats:
     """The product of matrices (4, 4): second is applied before first."""
     with np.errstate(over="ignore", invalid="ignore"):  # infinity is reported where it is used
-        a, b, c, d = (first[:, k : k + 1] * second[k] for k in range(4))
-        product: Floats = a + b + c + d
+        product: Floats = (first[:, :, None] * second).sum(axis=1)  # in the order of the rows
     return product
 
 
-def transformed(vertices: Vertices, pose: Floats) -> Vertices:
-    """Vertices (n, 3), moved by a matrix (4, 4)."""
+def transformed(vertices: Vertices, poses: Floats) -> Floats:
+    """Vertices (n, 3), moved by matrices (..., 4, 4): (..., n, 3)."""
     with np.errstate(over="ignore", invalid="ignore"):
-        x, y, z = (vertices[:, k : k + 1] * pose[:3, k] for k in range(3))
-        moved: Vertices = x + y + z + pose[:3, 3]
+        x, y, z = (vertices[:, k : k + 1] * poses[..., None, :3, k] for k in range(3))
+        moved: Floats = x + y + z + poses[..., None, :3, 3]
     return moved
 
 

@@ -69,8 +69,9 @@ def open_zip(source: MeshSource) -> zipfile.ZipFile:
     except DAMAGE:
         source.fail("a damaged zip archive", "a complete file; copy or download it again")
     for name in archive.namelist():
-        if ".." in PureWindowsPath(name).parts or PureWindowsPath(name).anchor:
-            source.fail(f"the member {name[:60]!r} outside the archive", "relative names")
+        path = PureWindowsPath(name)
+        if not path.parts or ".." in path.parts or path.anchor:
+            source.fail(f"the member {name[:60]!r} without a name inside it", "relative names")
     return archive
 
 

@@ -17,7 +17,7 @@ from .gltf_document import GltfDocument, Item
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-MAX_IMPLICIT = 1 << 22  # elements of an accessor without a view, which are zeros
+MAX_IMPLICIT = 1 << 22  # elements of all accessors without a view, which are zeros
 
 
 class AccessorReader:
@@ -27,6 +27,7 @@ class AccessorReader:
         self.document = document
         self._buffers: dict[int, memoryview] = {}
         self._arrays: dict[int, NDArray[Any]] = {}  # floats as float64, to share the copy
+        self._implicit = 0  # elements of accessors without a view
 
     def floats(self, index: object, kind: str, place: str) -> Floats:
         """Values (n, width) of an accessor, normalized integers as fractions."""
@@ -73,9 +74,11 @@ class AccessorReader:
             array = self._view(accessor["bufferView"], offset, count, width, dtype, name)
         elif extensions:
             document.fail(name, "no bufferView", "data; an extension that is not read has them")
-        elif count > MAX_IMPLICIT:
-            document.fail(name, f"{count} elements without a bufferView", f"at most {MAX_IMPLICIT}")
         else:
+            self._implicit += count
+            if self._implicit > MAX_IMPLICIT:
+                received = f"over {MAX_IMPLICIT} elements without a bufferView in the file"
+                document.fail(name, received, "data")
             array = np.zeros((count, width), dtype)
         return self._replaced(accessor, array, name) if "sparse" in accessor else array
 

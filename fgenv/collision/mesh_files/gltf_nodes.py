@@ -145,17 +145,17 @@ def _place_mesh(reader: MeshReader, node: Item, index: int, poses: list[Floats])
         for primitive, vertices in zip(primitives, morphed, strict=True):
             reader.parts.add(*skinned(reader, primitive, vertices, joints), np.eye(4), place)
         return
-    for instance in _instances(reader, extensions, place):
-        reader.parts.visit()
-        pose = compose(poses[index], instance)
+    for pose in _instances(reader, extensions, place, poses[index]):
         for primitive, vertices in zip(primitives, morphed, strict=True):
             reader.parts.add(vertices, primitive.faces, pose, place)
 
 
-def _instances(reader: MeshReader, extensions: Item, place: str) -> Iterator[Floats]:
-    """Matrices (4, 4) of EXT_mesh_gpu_instancing, relative to the node."""
+def _instances(
+    reader: MeshReader, extensions: Item, place: str, parent: Floats
+) -> Iterator[Floats]:
+    """Matrices (4, 4) of EXT_mesh_gpu_instancing; that of the node without it."""
     if INSTANCING not in extensions:
-        yield np.eye(4)
+        yield parent
         return
     document, name = reader.document, f"{place}.{INSTANCING}"
     extension = document.object(extensions, INSTANCING, place)
@@ -171,7 +171,8 @@ def _instances(reader: MeshReader, extensions: Item, place: str) -> Iterator[Flo
     for i in range(counts.pop()):
         row = {key: column[i] for key, column in columns.items()}
         t, r, s = (row.get(key) for key in ("TRANSLATION", "ROTATION", "SCALE"))
-        yield _trs(document, t, r, s, f"{name} instance {i}")
+        reader.parts.visit()
+        yield compose(parent, _trs(document, t, r, s, f"{name} instance {i}"))
 
 
 def _joints(reader: MeshReader, node: Item, place: str, poses: list[Floats]) -> list[Floats]:

@@ -40,15 +40,16 @@ def place_object(
     if kind in SKIPPED:
         parts.note(f"Objects of type {kind} are skipped.")
         return
-    if kind not in SURFACES:
-        found.fail(f"the type {kind[:20]!r} of {found}", f"one of {(*SURFACES, *SKIPPED)}")
-    _check_content(found)
-    if (mesh := found.element.first("mesh")) is not None:
-        parts.add(*_mesh(found, mesh), pose, str(found))
+    if id(found.element) not in package.checked:
+        package.checked[id(found.element)] = _content(found, kind)
+    if (mesh := package.checked[id(found.element)]) is not None:
+        parts.add(*mesh, pose, str(found))
     components = found.element.first("components")
     for component in components.all("component") if components else ():
         target = package.target(found.part, component)
-        below = compose(pose, pose_of(found.part, component))
+        if id(component) not in package.poses:
+            package.poses[id(component)] = pose_of(found.part, component)
+        below = compose(pose, package.poses[id(component)])
         place_object(package, target, below, parts, path | {id(found.element)})
 
 
@@ -65,8 +66,10 @@ def pose_of(part: ModelPart, element: Element) -> Floats:
     return pose
 
 
-def _check_content(found: ModelObject) -> None:
-    """Refuse an object with content that would change its triangles."""
+def _content(found: ModelObject, kind: str) -> tuple[Vertices, Faces] | None:
+    """The mesh of an object, None for one of components; refuse what would change its triangles."""
+    if kind not in SURFACES:
+        found.fail(f"the type {kind[:20]!r} of {found}", f"one of {(*SURFACES, *SKIPPED)}")
     element = found.element
     mesh = element.first("mesh")
     for parent, read in ((element, READ_IN_OBJECT), (mesh, READ_IN_MESH)):
@@ -77,6 +80,7 @@ def _check_content(found: ModelObject) -> None:
         found.fail(f"slices in {found}", "triangles; export it without slices")
     if (mesh is None) == (element.first("components") is None):
         found.fail(f"{found} with no content, or with both", "a mesh or components")
+    return None if mesh is None else _mesh(found, mesh)
 
 
 def _mesh(found: ModelObject, mesh: Element) -> tuple[Vertices, Faces]:

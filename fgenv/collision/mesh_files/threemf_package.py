@@ -6,6 +6,8 @@ import re
 from types import TracebackType
 from typing import NamedTuple, NoReturn
 
+from fgenv.arrays import Faces, Floats, Vertices
+
 from .archive import open_zip, read_member
 from .content import MeshSource
 from .files import MAX_BYTES
@@ -70,6 +72,8 @@ class ThreemfPackage:
         self._objects: dict[str, dict[str, ModelObject]] = {}
         self._parts: dict[str, ModelPart] = {}
         self._used: set[tuple[str, str]] = set()
+        self.checked: dict[int, tuple[Vertices, Faces] | None] = {}  # content by id of an element
+        self.poses: dict[int, Floats] = {}  # by id of an element
 
     def __enter__(self) -> ThreemfPackage:
         return self
