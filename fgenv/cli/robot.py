@@ -40,6 +40,9 @@ XacroArguments = Annotated[
     list[str] | None,
     typer.Option("--arg", metavar="NAME=VALUE", help="Argument of a xacro file; may be repeated."),
 ]
+Root = Annotated[
+    str | None, typer.Option("--root", help="First body of the robot, in MJCF with several.")
+]
 Scale = Annotated[float, typer.Option("--scale", help="Factor of all lengths.")]
 Visual = Annotated[bool, typer.Option("--visual", help="Use the visual geometry.")]
 Configuration = Annotated[
@@ -54,6 +57,7 @@ def robot(
     srdf: Srdf = None,
     package: Packages = None,
     arg: XacroArguments = None,
+    root: Root = None,
     scale: Scale = 1.0,
     visual: Visual = False,
     q: Configuration = None,
@@ -81,6 +85,7 @@ def robot(
             srdf=srdf,
             scale=scale,
             xacro_args=dict(pairs("--arg", arg or ())),
+            root=root,
         )
         configuration = configuration_of(made, q)
         update("checking")

@@ -117,7 +117,7 @@ def test_a_robot_that_differs_from_pinocchio_is_unexplained(
         ("robot", "no XML"),
         (
             ARM.format(x="none"),
-            "an origin, a size or a scale has a wrong number of numbers",
+            "a wrong number of numbers",
         ),
     ],
 )

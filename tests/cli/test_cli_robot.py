@@ -79,6 +79,15 @@ def test_options_change_what_is_read(shell: Shell, arm: Path) -> None:
     assert [link["name"] for link in links] == ["b"]
 
 
+def test_one_of_several_robots_of_a_file_is_chosen(shell: Shell) -> None:
+    arm = '<body name="{0}"><joint name="{0}"/><geom size="0.1"/></body>'
+    text = f"<mujoco><worldbody>{arm.format('left')}{arm.format('right')}</worldbody></mujoco>"
+    Path("two.xml").write_text(text)
+    assert "root" in shell.refuses("robot", "two.xml")
+    joints = shell.json("robot", "two.xml", "--root", "right")["joints"]
+    assert [joint["name"] for joint in joints] == ["right"]
+
+
 def test_the_picture_shows_a_real_robot(shell: Shell) -> None:
     file = urdf("panda_description/urdf/panda.urdf")
     data = shell.json("robot", file, "--picture", "panda.png", "--q", "0,-1,0,-2,0,2,1,0.04")

@@ -319,7 +319,9 @@ def _packed() -> Iterator[MeshCase]:
     text = obj(*prism()).encode()
     yield MeshCase("part.stl.gz", gzip.compress(stl, mtime=0))
     yield MeshCase("Teil ä.OBJ.GZ", gzip.compress(text, mtime=0), polygons=8)
-    yield MeshCase("two_members.stl.gz", gzip.compress(stl[:100], mtime=0) + gzip.compress(stl[100:]))
+    yield MeshCase(
+        "two_members.stl.gz", gzip.compress(stl[:100], mtime=0) + gzip.compress(stl[100:])
+    )
     yield MeshCase("part.zip", zipped(("a/part.obj", text)), polygons=8)
     stored = zipped(("part.STL", stl), ("read me.txt", b"text"), method=zipfile.ZIP_STORED)
     yield MeshCase("stored.zip", stored)

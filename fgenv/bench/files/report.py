@@ -13,13 +13,14 @@ from fgenv.bench.common.tables import Columns, count, table, text
 from .readers import PEERS
 
 NOTES = {
-    "meshes": "Each file by content once; agreement of extents, area and volume. confirmed: at"
-    " least one independent reader agrees. unexplained: differences without a reason.",
+    "meshes": "Each file by content once. assimp, meshio, trimesh: files in which extents, area and"
+    " volume agree with theirs. confirmed: in at least one of them. unexplained: differences"
+    " without a reason.",
     "loading": "CPU seconds, median of alternating rounds; peak memory of a process in MB. fgenv"
     " reads and builds a Shape, trimesh merges vertices, the others only read. ratio: to trimesh.",
     "robots": "Each file by content once, at random configurations. agrees: with pinocchio in the"
     " poses of all links to 1e-9, and in the boxes of the meshes to 1e-5 of their size where"
-    " pinocchio finds them.",
+    " pinocchio finds them. difference: the largest of a pose.",
     "mjcf": "Each file by content once, at random configurations. agrees: with MuJoCo in the poses"
     " of all bodies and of all geoms that collide, to 1e-9.",
 }
@@ -37,7 +38,7 @@ def meshes(rows: list[Record]) -> Table:
         "files": ("files", count),
         "read": ("read", count),
         "confirmed": ("confirmed", count),
-        **{f"{name} agrees": (f"peers.{name}.agrees", count) for name in PEERS},
+        **{name: (f"peers.{name}.agrees", count) for name in PEERS},
         "unexplained": (lambda row: len(row["unexplained"]), count),
         "seconds": ("seconds.fgenv", seconds),
     }
@@ -45,32 +46,40 @@ def meshes(rows: list[Record]) -> Table:
 
 
 def loading(rows: list[Record]) -> Table:
-    """Load times by size."""
-    names = list(rows[0]["peers"])
+    """Load times by size and reader."""
     columns: Columns = {
         "triangles": ("triangles", count),
-        **{f"{name} s": (f"peers.{name}.seconds", seconds) for name in names},
-        **{f"{name} MB": (f"peers.{name}.peak_mb", whole) for name in names},
+        "reader": ("reader", text),
+        "seconds": ("seconds", seconds),
+        "peak MB": ("peak_mb", whole),
         "ratio": ("ratio", seconds),
     }
-    return table("Loading binary STL", columns, rows)
+    lines = [
+        {
+            "triangles": row["triangles"],
+            "reader": name,
+            **peer,
+            "ratio": peer["seconds"] / row["peers"]["trimesh"]["seconds"],
+        }
+        for row in rows
+        for name, peer in row["peers"].items()
+    ]
+    return table("Loading binary STL", columns, lines)
 
 
-def robots(rows: list[Record]) -> Table:
+def robots(rows: list[Record], title: str = "URDF files of pip packages") -> Table:
     """Counts by result."""
     columns: Columns = {
-        "result": ("result", text),
         "files": ("files", count),
-        "largest difference": ("difference", scientific),
+        "difference": ("difference", scientific),
+        "result": ("result", text),
     }
-    return table("URDF files of pip packages", columns, rows)
+    return table(title, columns, rows)
 
 
 def mjcf(rows: list[Record]) -> Table:
     """Counts by result."""
-    found = robots(rows)
-    found.title = "MJCF files of pip packages"
-    return found
+    return robots(rows, "MJCF files of pip packages")
 
 
 def seconds(value: Any) -> str:
@@ -84,5 +93,5 @@ def whole(value: Any) -> str:
 
 
 def scientific(value: Any) -> str:
-    """Format a small number; none: empty."""
-    return "" if value is None else f"{value:.1e}"
+    """Format a small number."""
+    return f"{value:.1e}"

@@ -26,7 +26,7 @@ AGREES, REFUSED = "agrees", "refused: "
 # Reasons for which files are refused, and what each error says.
 REASONS = {
     "a mesh file is missing": "got no such file",
-    "an origin, a size or a scale has a wrong number of numbers": "expected .*numbers$",
+    "a wrong number of numbers": "expected .*numbers$",
     "a limit is no number": "limit: .* expected a number",
     "no XML": "expected XML$",
     "no link": "got no <link>",
