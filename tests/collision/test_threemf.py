@@ -204,6 +204,20 @@ def test_components_of_components_are_bounded(
         read(tmp_path, "a.3mf", content)
 
 
+def test_a_small_file_places_a_bounded_number_of_faces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each group is twice the one before: 2^n boxes in a file whose size is about n."""
+    groups = [group(component(str(i)) + component(str(i), SHIFT), name=str(i + 1)) for i in (1, 2)]
+    for i in range(3, 9):
+        groups.append(group(component(str(i)) * 2, name=str(i + 1)))
+    content = threemf(model(box_object() + "".join(groups), '<item objectid="9"/>'))
+    assert_box(read(tmp_path, "a.3mf", content), copies=256)
+    monkeypatch.setattr(scene_parts, "MIN_ITEMS", 1000)
+    with pytest.raises(ValueError, match="over 1000 vertices or faces"):
+        read(tmp_path, "a.3mf", content)
+
+
 NUMBER = st.floats(-2, 2).map(lambda x: round(x, 3))
 SCALE = st.sampled_from([-2.0, -1.0, 0.5, 1.0, 3.0])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import struct
+import tracemalloc
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -66,6 +67,16 @@ class SmallFile:
         assert path.name in text or (path.name == "box.bin" and "o.gltf" in text), text
         check_text(text)
         return None
+
+    def assert_refused(self, path: Path) -> None:
+        """Assert that a file is refused by a clear error, with little memory."""
+        size = path.stat().st_size if path.is_file() else 0
+        tracemalloc.start()
+        try:
+            assert self.outcome(path) is None
+            assert tracemalloc.get_traced_memory()[1] < (64 << 20) + 256 * size
+        finally:
+            tracemalloc.stop()
 
 
 def check_text(text: str) -> None:

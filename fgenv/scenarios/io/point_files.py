@@ -147,8 +147,8 @@ def _unpacked(path: Path, data: bytes, size: int) -> bytes:
             i += 1
             if back > len(out):
                 break
-            for _ in range(length + 2):
-                out.append(out[-back])
+            piece = out[len(out) - back : len(out) - back + length + 2]
+            out += (piece * ((length + 1) // back + 1))[: length + 2]  # it may repeat itself
     except IndexError:
         out.clear()
     if len(out) != size:
