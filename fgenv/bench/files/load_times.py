@@ -21,7 +21,8 @@ LOADERS = {
     "meshio": "import meshio; meshio.read(r'{}')",  # reads
     "assimp": "import assimp_py; assimp_py.import_file(r'{}', assimp_py.Process_Triangulate)",
 }
-MEMORY = "; import resource; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+# The peak of the process itself: ru_maxrss of a new process begins with that of its parent.
+MEMORY = "; print(open('/proc/self/status').read().partition('VmHWM:')[2].split()[0])"
 
 
 def torus(triangles: int) -> PlacedMesh:
@@ -55,11 +56,9 @@ def of_file(file: Path, triangles: int, progress: Callable[[str], None]) -> Reco
         for name in order:
             progress(f"{triangles:,} triangles: {name}, round {k + 1} of {rounds}")
             times[name].append(seconds_of(name, file))
-    peers = {
-        name: {"seconds": float(np.median(rows)), "peak_mb": peak_of(name, file)}
-        for name, rows in times.items()
-    }
-    ratio = peers["fgenv"]["seconds"] / peers["trimesh"]["seconds"]
+    seconds = {name: float(np.median(rows)) for name, rows in times.items()}
+    peers = {name: {"seconds": seconds[name], "peak_mb": peak_of(name, file)} for name in LOADERS}
+    ratio = seconds["fgenv"] / seconds["trimesh"]
     return {"triangles": triangles, "peers": peers, "ratio": ratio}
 
 
@@ -74,8 +73,10 @@ def seconds_of(name: str, file: Path) -> float:
     return process_time() - began
 
 
-def peak_of(name: str, file: Path) -> float:
-    """Return the peak memory of a process that loads a file, MB."""
+def peak_of(name: str, file: Path) -> float | None:
+    """Return the peak memory of a process that loads a file, MB; None if it is not on Linux."""
+    if sys.platform != "linux":
+        return None
     code = LOADERS[name].format(file) + MEMORY
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return float(done.stdout.split()[-1]) / 1024
