@@ -17,7 +17,7 @@ from support.shell import Shell
 
 from fgenv.scenarios import Scenario, ScenarioError, validate
 from fgenv.scenarios.io.moveit import load_scene
-from fgenv.scenarios.io.octomap import CENTER, DEPTH, children, read_octree
+from fgenv.scenarios.io.octomap import CENTER, DEPTH, read_octree
 from fgenv.scenarios.io.point_files import read_points
 
 pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
@@ -26,6 +26,13 @@ pytestmark = pytest.mark.filterwarnings("ignore::fgenv.collision.MeshWarning")
 
 Cell = tuple[int, int, int]
 UNKNOWN, FREE, OCCUPIED, INNER = 0, 1, 2, 3
+
+
+def children(key: Cell, edge: int) -> list[Cell]:
+    """Lower corners of the eight children of a node of an edge: bit 0 of the number is x."""
+    x, y, z = key
+    h = edge // 2
+    return [(x + h * (i & 1), y + h * (i >> 1 & 1), z + h * (i >> 2)) for i in range(8)]
 
 
 class Octree:
@@ -110,7 +117,7 @@ def test_a_threshold_decides_for_log_odds(tmp_path: Path) -> None:
     block = np.full((4, 4, 4), OCCUPIED, dtype=np.int8)
     path = octree(block).write(tmp_path / "t.ot")
     assert len(read_octree(path, 0.8)[0]) > 0  # log-odds 2 are a probability of 0.88
-    assert read_octree(path, 0.95)[0] == []
+    assert len(read_octree(path, 0.95)[0]) == 0
 
 
 @pytest.mark.parametrize(

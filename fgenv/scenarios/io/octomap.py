@@ -8,11 +8,11 @@ takes from the file.
 from __future__ import annotations
 
 import math
-import struct
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from fgenv.scenarios.errors import cut
@@ -28,7 +28,7 @@ HEADS = {b"# Octomap OcTree binary file": True, b"# Octomap OcTree file": False}
 EXTRA_BYTES = {"OcTree": 0, "ColorOcTree": 3, "OcTreeStamped": 4}  # of a node, after its log-odds
 MAX_NODES = 50_000_000
 Share = Annotated[float, Field(gt=0, lt=1, strict=True, allow_inf_nan=False)]
-Leaf = tuple[int, int, int, int]  # lower x, y, z and edge, in keys
+Keys = NDArray[np.int64]
 
 
 @file_format("OctoMap", ".bt", ".ot")
@@ -43,17 +43,16 @@ def octomap(path: Path, threshold: Share = 0.5) -> Scenario:
         ScenarioError: another file, a truncated one, or a tree that is not supported.
     """
     leaves, resolution = read_octree(path, threshold)
-    keys = np.array(leaves, dtype=np.int64).reshape(-1, 4)
-    low = keys[:, :3] - CENTER
-    boxes = merged_boxes(np.concatenate([low, low + keys[:, 3:]], axis=1)) * resolution
-    count = f"{len(keys)} occupied leaves"
+    low = leaves[:, :3] - CENTER
+    boxes = merged_boxes(np.concatenate([low, low + leaves[:, 3:]], axis=1)) * resolution
+    count = f"{len(leaves)} occupied leaves"
     return scenario_of_boxes(
         path, boxes, "octomap", description=f"Octree of {count}, {resolution:g} m."
     )
 
 
-def read_octree(path: Path, threshold: float = 0.5) -> tuple[list[Leaf], float]:
-    """Occupied leaves, and the edge of the smallest one (m)."""
+def read_octree(path: Path, threshold: float = 0.5) -> tuple[Keys, float]:
+    """Occupied leaves (n, 4), lower corners and edges in keys, and the edge of a key (m)."""
     data = read_bytes(path)
     first, _, _ = data[:200].partition(b"\n")
     if first.strip() not in HEADS:
@@ -74,7 +73,7 @@ def read_octree(path: Path, threshold: float = 0.5) -> tuple[list[Leaf], float]:
     if resolution <= 0:
         fail(path, f"has resolution {resolution:g}", "expected a length over 0")
     if size == 0:
-        return [], resolution
+        return np.zeros((0, 4), dtype=np.int64), resolution
     if binary:
         leaves, nodes, end = binary_leaves(path, data, start)
     else:
@@ -109,63 +108,80 @@ def header(path: Path, data: bytes) -> tuple[dict[str, str], int]:
     raise file_error(path, "has no data", "save it again")
 
 
-def children(key: tuple[int, int, int], edge: int) -> list[tuple[int, int, int]]:
-    """Lower corners of the eight children of a node of an edge."""
-    x, y, z = key
-    h = edge // 2
-    return [(x + h * (i & 1), y + h * (i >> 1 & 1), z + h * (i >> 2)) for i in range(8)]
-
-
-def binary_leaves(path: Path, data: bytes, start: int) -> tuple[list[Leaf], int, int]:
+def binary_leaves(path: Path, data: bytes, start: int) -> tuple[Keys, int, int]:
     """Occupied leaves of a .bt tree, its number of nodes, and where it ends.
 
-    An inner node has two bits for each child: 00 is unknown, 01 free, 10 occupied, 11 inner.
+    A record of an inner node has two bits for each child: 00 is unknown, 01 free, 10 occupied, 11
+    inner.
     """
-    leaves: list[Leaf] = []
-    stack, nodes, position = [((0, 0, 0), 1 << DEPTH)], 1, start
-    while stack:
-        key, edge = stack.pop()
-        if position + 2 > len(data) or edge < 2:
-            _damaged(path, edge)
-        bits = data[position] | data[position + 1] << 8
-        position += 2
-        inner = []
-        for i, child in enumerate(children(key, edge)):
-            state = bits >> (2 * i) & 3
-            nodes += state != 0
-            if state == 3:
-                inner.append((child, edge // 2))
-            elif state == 2:
-                leaves.append((*child, edge // 2))
-        stack += reversed(inner)
-    return leaves, nodes, position
+    words = np.frombuffer(data[start : start + (len(data) - start) // 2 * 2], dtype="<u2")
+    states = words[:, None] >> np.arange(0, 16, 2) & 3
+    records, levels = _levels(path, states == 3, 2)
+    leaves = [
+        np.column_stack([corners(keys[at], edge, child), np.full(len(at), edge // 2)])
+        for nodes, keys, edge in levels
+        for at, child in [np.nonzero(states[nodes] == 2)]
+    ]
+    nodes = 1 + int(np.count_nonzero(states[:records]))
+    return np.concatenate(leaves), nodes, start + 2 * records
 
 
 def full_leaves(
     path: Path, data: bytes, start: int, extra: int, least: float
-) -> tuple[list[Leaf], int, int]:
+) -> tuple[Keys, int, int]:
     """Occupied leaves of an .ot tree: log-odds and a bit for each child, of each node."""
-    leaves: list[Leaf] = []
-    stack, nodes, position = [((0, 0, 0), 1 << DEPTH)], 0, start
-    while stack:
-        key, edge = stack.pop()
-        if position + 5 + extra > len(data):
-            _damaged(path, edge)
-        (value,) = struct.unpack_from("<f", data, position)
-        bits = data[position + 4 + extra]
-        position += 5 + extra
-        nodes += 1
-        if bits and edge < 2:
-            _damaged(path, 1)
-        if bits:
-            below = [c for i, c in enumerate(children(key, edge)) if bits >> i & 1]
-            stack += [(child, edge // 2) for child in reversed(below)]
-        elif not value < least:  # NaN is occupied
-            leaves.append((*key, edge))
-    return leaves, nodes, position
+    kind = np.dtype([("value", "<f4"), ("extra", "V", extra), ("children", "u1")])
+    rows = np.frombuffer(data, kind, (len(data) - start) // kind.itemsize, start)
+    inner = (rows["children"][:, None] >> np.arange(8) & 1).astype(bool)
+    records, levels = _levels(path, inner, 1)
+    leaves = []
+    for nodes, keys, edge in levels:
+        occupied = ~inner[nodes].any(axis=1) & ~(rows["value"][nodes] < least)  # NaN is occupied
+        leaves.append(np.column_stack([keys[occupied], np.full(occupied.sum(), edge)]))
+    return np.concatenate(leaves), records, start + kind.itemsize * records
 
 
-def _damaged(path: Path, edge: int) -> None:
-    if edge < 2:
-        fail(path, f"has more than {DEPTH} levels", f"expected a tree of {DEPTH} levels")
+def corners(keys: Keys, edge: int, child: NDArray[np.integer[Any]]) -> Keys:
+    """Lower corners (n, 3) of children, by their numbers (n,), of nodes of an edge."""
+    return keys + edge // 2 * (child[:, None] >> np.arange(3) & 1)
+
+
+def _levels(
+    path: Path, inner: NDArray[np.bool_], smallest: int
+) -> tuple[int, list[tuple[NDArray[np.int64], Keys, int]]]:
+    """Number of records of a tree, and records, lower corners and edge of the nodes of each level.
+
+    Records are in preorder. Before record k, `waiting` nodes are to come; a subtree ends at the
+    first record after it with one fewer.
+
+    Args:
+        inner: (n, 8), whether each child of each record has a record.
+        smallest: edge of the smallest node that has a record.
+    """
+    counts = inner.sum(axis=1, dtype=np.int64)
+    waiting = np.concatenate([[1], 1 + np.cumsum(counts - 1)])
+    records = int(np.argmax(waiting == 0))
+    if waiting[records] != 0:
+        _fail_truncated(path)
+    n = records + 1
+    order = np.sort(waiting[:n] * n + np.arange(n))
+    ends = order[np.searchsorted(order, (waiting[:n] - 1) * n + np.arange(n), "right") % n] % n
+    nodes, keys, edge = np.zeros(1, dtype=np.int64), np.zeros((1, 3), dtype=np.int64), 1 << DEPTH
+    levels = []
+    while len(nodes):
+        levels.append((nodes, keys, edge))
+        following, below = nodes + 1, []
+        for child in range(8):
+            at = np.flatnonzero(inner[nodes, child])
+            below.append((following[at], corners(keys[at], edge, np.full(len(at), child))))
+            following[at] = ends[following[at]]
+        nodes = np.concatenate([node for node, _ in below])
+        keys = np.concatenate([key for _, key in below])
+        edge //= 2
+        if len(nodes) and edge < smallest:
+            fail(path, f"has more than {DEPTH} levels", f"expected a tree of {DEPTH} levels")
+    return records, levels
+
+
+def _fail_truncated(path: Path) -> NoReturn:
     fail(path, "ends within the tree", "the file is truncated: get it again")
