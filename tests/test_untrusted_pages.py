@@ -71,6 +71,7 @@ def records() -> list[Record]:
     return [record_of(" ".join(HOSTILE[k : k + 3])) for k in range(0, len(HOSTILE), 3)]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 def test_no_script_of_a_record_runs(records: list[Record], tmp_path: Path) -> None:
     with page() as browser:

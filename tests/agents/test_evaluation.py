@@ -138,6 +138,7 @@ def test_unobstructed_baseline_is_goto_without_obstacles(crossing: FrozenSet) ->
             assert (one.arrival, one.path_length) == (alone.arrival, alone.path_length)
 
 
+@pytest.mark.slow
 def test_same_results_for_any_number_of_jobs(crossing: FrozenSet) -> None:
     one = evaluate(crossing, ["random", "goto"], seed=3)
     two = evaluate(crossing, ["random", "goto"], seed=3, jobs=2)

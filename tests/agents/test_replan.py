@@ -39,7 +39,10 @@ def test_without_disturbance_robots_follow_the_plan(name: str, n: int) -> None:
 
 @pytest.mark.parametrize("name", ["swap", "warehouse"])
 def test_robots_drive_around_a_stopped_robot(name: str) -> None:
-    simulator, policy = Simulator(name, n=4, autoreset=False), ReplanPolicy("prioritized")
+    simulator, policy = (
+        Simulator(name, n=4, autoreset=False),
+        ReplanPolicy("prioritized", replan_time_limit=60.0),
+    )
     record = run_episode(simulator, Held(policy, 1, 10, 10_000), steps=200)
     results = Results.of(record)
     assert (record["hits"] == -1).all()
@@ -48,7 +51,10 @@ def test_robots_drive_around_a_stopped_robot(name: str) -> None:
 
 
 def test_a_stray_that_rests_is_planned_for_again() -> None:
-    simulator, policy = Simulator("swap", n=4, autoreset=False), ReplanPolicy("prioritized")
+    simulator, policy = (
+        Simulator("swap", n=4, autoreset=False),
+        ReplanPolicy("prioritized", replan_time_limit=60.0),
+    )
     results = Results.of(run_episode(simulator, Held(policy, 1, 10, 60)))
     assert results.success_rate == 1.0
     assert results.steps_in_contact == 0
@@ -57,7 +63,7 @@ def test_a_stray_that_rests_is_planned_for_again() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_no_robot_drives_into_one_of_another_policy(seed: int) -> None:
     simulator = Simulator("swap", n=4, seed=seed, jitter=0.3, autoreset=False)
-    policy = ReplanPolicy("prioritized", seed=seed)
+    policy = ReplanPolicy("prioritized", seed=seed, replan_time_limit=60.0)
     record = run_episode(simulator, Mixed(policy, policy_of("random", seed)), steps=100)
     # Collisions involve that robot only, when it moves into the way of others.
     met = record["hit_robots"][:, 1:]

@@ -91,6 +91,7 @@ def test_the_exported_network_equals_the_model(folder: Path) -> None:
     np.testing.assert_allclose(acts[0], acts[1], atol=2e-5)
 
 
+@pytest.mark.slow
 def test_over_orca_with_held_noise_the_exported_network_equals_the_model(tmp_path: Path) -> None:
     recipe = replace(recipe_of("doorway"), **{**SMALL, "rows": 12}, sde_sample_freq=8)
     assert recipe.orca

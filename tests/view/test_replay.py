@@ -116,6 +116,7 @@ def test_command(record: Record, shell: Shell) -> None:
         assert said in shell.refuses("replay", *words)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_in_a_browser_it_shows_scrubs_and_jumps(record: Record, path: Path) -> None:
     with page() as shown:

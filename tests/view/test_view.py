@@ -167,6 +167,7 @@ def test_human_mode_returns_none_and_starts_when_first_rendered(
         socket.create_connection(("127.0.0.1", int(live.url.rpartition(":")[2])), timeout=5)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> None:
     def is_on(name: str, expected: bool) -> bool:
@@ -192,6 +193,7 @@ def test_in_a_browser_it_shows_robots_and_what_is_switched_on(live: Live) -> Non
         assert shown.errors == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_in_a_browser_it_pauses_steps_and_follows(live: Live) -> None:
     simulator = live.simulator
