@@ -19,7 +19,11 @@ Rounds = Annotated[int, typer.Option("--rounds", min=1, help="Number of runs per
 def limits(
     count: Count = 20_000, rounds: Rounds = 3, seed: Seed = 0, as_json: Json = False
 ) -> None:
-    """Print worst times: flush slides, faces that nearly coincide, grazing rays."""
+    """Print worst times of hard inputs.
+
+    Flush motions, faces that nearly coincide, grazing rays, plans with a time
+    limit, and the time from Ctrl-C to the end.
+    """
     from rich.table import Table
 
     from fgenv.bench.limits.run import bench_limits

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from oracles.solids import at, box
 
+from fgenv.bench.common.solids import at, box
 from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native

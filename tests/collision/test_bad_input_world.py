@@ -14,8 +14,8 @@ import pytest
 from collision.test_bad_input import BAD_POINTS, BAD_POSES, says
 from collision.test_fuzz import ANY_ARRAY
 from hypothesis import given, settings
-from oracles.solids import at, box
 
+from fgenv.bench.common.solids import at, box
 from fgenv.collision import Shape
 from fgenv.collision.world import World
 

@@ -8,7 +8,9 @@ import math
 import numpy as np
 import pytest
 from oracles.independent import truth
-from oracles.solids import (
+
+from fgenv.arrays import Floats
+from fgenv.bench.common.solids import (
     Solid,
     angle_iron,
     at,
@@ -22,8 +24,6 @@ from oracles.solids import (
     somewhere,
     together,
 )
-
-from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide, contact_point, distance
 
 HERE = np.eye(4)

@@ -15,13 +15,13 @@ from oracles.independent import (
     one_is_inside,
     surfaces_meet,
 )
-from oracles.solids import somewhere
 from support import CASES
 from support.meshes import MeshPair, pairs
 
 from fgenv.arrays import Floats
 from fgenv.bench.common.meshes import Mesh
 from fgenv.bench.common.poses import NEAR, USUAL, random_poses_batched
+from fgenv.bench.common.solids import somewhere
 from fgenv.collision import Shape, collide
 
 FEW = pairs(12, largest=3000, seed=1)

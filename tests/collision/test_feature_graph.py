@@ -15,7 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracles.independent import distances_to_surface
-from oracles.solids import (
+from support.meshes import MeshPair, pairs
+
+from fgenv.arrays import Floats
+from fgenv.bench.common.poses import random_poses_batched
+from fgenv.bench.common.solids import (
     Solid,
     angle_iron,
     at,
@@ -29,10 +33,6 @@ from oracles.solids import (
     somewhere,
     together,
 )
-from support.meshes import MeshPair, pairs
-
-from fgenv.arrays import Floats
-from fgenv.bench.common.poses import random_poses_batched
 from fgenv.collision import FeatureGraph, MeshWarning, Shape, collide
 
 

@@ -6,10 +6,10 @@ import warnings
 
 import numpy as np
 import pytest
-from oracles.flush_motions import KINDS, FlushMotion, flush_motion, flush_motions
-from oracles.solids import angle_iron, at, bowl, box, moved, opened
-from oracles.world_model import along, turned
+from oracles.world_model import along
 
+from fgenv.bench.common.solids import angle_iron, at, bowl, box, moved, opened, turned
+from fgenv.bench.limits.flush_motions import KINDS, FlushMotion, flush_motion, flush_motions
 from fgenv.collision import MeshWarning, Shape
 from fgenv.collision.world import MotionResult, World
 

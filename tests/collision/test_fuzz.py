@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 from oracles.rational import meshes_meet
-from oracles.solids import angle_iron, ball, box
 
 from fgenv.bench.common.poses import random_rotations
+from fgenv.bench.common.solids import angle_iron, ball, box
 from fgenv.collision import FeatureGraph, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native

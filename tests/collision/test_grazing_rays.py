@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from oracles.solids import Solid, angle_iron, ball, box, somewhere
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import Solid, angle_iron, ball, box, somewhere
 from fgenv.collision import Shape, collide, distance
 from fgenv.collision.world import World
 

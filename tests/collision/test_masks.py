@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from oracles.solids import at, box, somewhere
-from oracles.world_model import Model, along, nudged, shapes, turned, wander
+from oracles.world_model import Model, along, nudged, shapes, wander
 from support import CASES
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import at, box, somewhere, turned
 from fgenv.collision import Shape
 from fgenv.collision.world import MotionResult, World
 

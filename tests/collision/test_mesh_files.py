@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.solids import ball, box
 from support.mesh_files import (
     MeshCase,
     binary_stl,
@@ -29,6 +28,7 @@ from support.mesh_files import (
     prism_triangles,
 )
 
+from fgenv.bench.common.solids import ball, box
 from fgenv.collision import MeshWarning, Shape
 from fgenv.collision.mesh_files import FileMesh, Unit, read_mesh_file, text, unit_warning
 

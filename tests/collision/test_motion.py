@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from oracles.solids import (
+from oracles.world_model import Model, along, carry, nudged, scatter, shapes, wander
+from scipy.optimize import brentq
+from support import TESTS
+from support.meshes import pairs
+
+from fgenv.arrays import Floats
+from fgenv.bench.common.solids import (
     Solid,
     angle_iron,
     at,
@@ -21,13 +27,8 @@ from oracles.solids import (
     scaled,
     somewhere,
     together,
+    turned,
 )
-from oracles.world_model import Model, along, carry, nudged, scatter, shapes, turned, wander
-from scipy.optimize import brentq
-from support import TESTS
-from support.meshes import pairs
-
-from fgenv.arrays import Floats
 from fgenv.collision import Shape, collide
 from fgenv.collision.world import MotionResult, World
 
@@ -955,7 +956,7 @@ def test_too_many_steps_raise(resolution: float) -> None:
 import resource, sys
 resource.setrlimit(resource.RLIMIT_CPU, (20, 20))  # seconds of this process
 sys.path.insert(0, {str(TESTS)!r})
-from oracles.solids import at, box
+from fgenv.bench.common.solids import at, box
 from fgenv.collision import Shape
 from fgenv.collision.world import World
 world = World()

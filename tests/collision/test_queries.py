@@ -14,12 +14,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from oracles.independent import coal_distances, distances_to_surface, fcl_checker
-from oracles.solids import angle_iron, at, ball, bowl, box, inverted, opened, somewhere, together
 from support import TESTS
 from support.meshes import MeshPair, pairs
 
 from fgenv.arrays import Floats
 from fgenv.bench.common.poses import USUAL, random_poses_batched
+from fgenv.bench.common.solids import (
+    angle_iron,
+    at,
+    ball,
+    bowl,
+    box,
+    inverted,
+    opened,
+    somewhere,
+    together,
+)
 from fgenv.collision import Shape, collide, contact_point, distance, nearest_points
 
 HERE = np.eye(4)
@@ -408,7 +418,7 @@ sys.path.insert(0, {tests!r})
 warnings.simplefilter("ignore")
 import numpy as np
 from support.meshes import pairs
-from oracles.solids import somewhere
+from fgenv.bench.common.solids import somewhere
 from fgenv import _core
 from fgenv.collision import Shape, collide, distance, nearest_points
 digest = hashlib.sha256()

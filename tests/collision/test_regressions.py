@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from oracles.solids import at, box, somewhere
 from support import TESTS
 
+from fgenv.bench.common.solids import at, box, somewhere
 from fgenv.collision import MeshWarning, Shape, collide, contact_point, distance, nearest_points
 
 pytestmark = pytest.mark.native
@@ -133,7 +133,7 @@ def test_too_few_threads_are_enough() -> None:
 import resource
 import numpy as np
 from fgenv.collision import Shape, collide
-from oracles.solids import box
+from fgenv.bench.common.solids import box
 cube, poses = Shape(*box(1.0)), np.tile(np.eye(4), (300_000, 1, 1))
 used = int(open("/proc/self/status").read().split("VmSize:")[1].split()[0]) * 1024
 resource.setrlimit(resource.RLIMIT_AS, (used + 300 * 2**20,) * 2)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.solids import angle_iron, at, ball, box
-from oracles.world_model import along, nudged, turned
+from oracles.world_model import along, nudged
 from support.robots import random_tree
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import angle_iron, at, ball, box, turned
 from fgenv.collision import Shape, World, collide
 from fgenv.collision.world import MotionResult
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles.solids import angle_iron, at, ball, box, opened, somewhere
-from oracles.world_model import Model, along, carry, nudged, scatter, shapes, turned, wander
+from oracles.world_model import Model, along, carry, nudged, scatter, shapes, wander
 from scipy.spatial import cKDTree
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import angle_iron, at, ball, box, opened, somewhere, turned
 from fgenv.collision import Shape, collide
 from fgenv.collision.world import World
 from fgenv.paper import method

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from oracles.solids import at, ball, box
-from oracles.world_model import scatter, shapes, turned, wander
+from oracles.world_model import scatter, shapes, wander
 
+from fgenv.bench.common.solids import at, ball, box, turned
 from fgenv.collision import Shape
 from fgenv.collision.world import World
 

@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from oracles.solids import angle_iron, ball, box, together
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import angle_iron, ball, box, together
 
 Mesh = tuple[Floats, NDArray[np.int64]]
 T = TypeVar("T")

@@ -14,9 +14,9 @@ from support.meshes import pairs
 
 from fgenv.arrays import Flags, Floats
 from fgenv.bench.common.poses import random_rotations
+from fgenv.bench.common.solids import angle_iron, ball, box, opened, somewhere, turned
 from fgenv.collision import Shape, collide, distance
 from fgenv.collision.world import World
-from oracles.solids import angle_iron, ball, box, opened, somewhere
 
 
 @cache
@@ -43,13 +43,6 @@ def along(T0: Floats, T1: Floats, t: Floats) -> Floats:
         turn = Rotation.from_matrix(T1[:, :3, :3] @ T0[:, :3, :3].transpose(0, 2, 1)).as_rotvec()
         out[:, :3, :3] = Rotation.from_rotvec(t[:, None] * turn).as_matrix() @ T0[:, :3, :3]
     return out
-
-
-def turned(angle: float, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Floats:
-    """The pose that turns by `angle` about an axis through the origin."""
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis)).as_matrix()
-    return pose
 
 
 def nudged(rng: np.random.Generator, pose: Floats, reach: float, turn: float = 1.0) -> Floats:

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles.solids import at, ball, box, somewhere
 from support.robots import random_tree, real
 
 from fgenv.arrays import Floats
+from fgenv.bench.common.solids import at, ball, box, somewhere
 from fgenv.collision import Shape, World, collide, distance
 from fgenv.robots import Joint, Link, LinkShape, Robot
 

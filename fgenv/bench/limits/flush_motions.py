@@ -9,8 +9,17 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.bench.common.poses import random_rotations
-from oracles.solids import Solid, angle_iron, at, bowl, box, moved, opened, scaled
-from oracles.world_model import turned
+from fgenv.bench.common.solids import (
+    Solid,
+    angle_iron,
+    at,
+    bowl,
+    box,
+    moved,
+    opened,
+    scaled,
+    turned,
+)
 
 GAPS = (0.0, 1e-17, 1e-16, 3e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-9, 1e-7, 1e-4)
 

@@ -1,10 +1,11 @@
-"""Small solids with known collisions: (vertices, faces), meters, wound outward."""
+"""Small solids with known collisions: (vertices, faces), meters, wound outward; and their poses."""
 
 from __future__ import annotations
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from fgenv.arrays import Floats
 from fgenv.bench.common.poses import random_rotations
@@ -81,6 +82,13 @@ def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Floats:
     """The pose that moves by (x, y, z)."""
     pose = np.eye(4)
     pose[:3, 3] = x, y, z
+    return pose
+
+
+def turned(angle: float, axis: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Floats:
+    """The pose that turns by `angle` about an axis through the origin."""
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis)).as_matrix()
     return pose
 
 
