@@ -28,7 +28,7 @@ except ModuleNotFoundError as error:
 
 from fgenv.arrays import Floats32
 from fgenv.envs import Simulator
-from fgenv.envs.options import first_seed
+from fgenv.envs.options import first_seed, place_robots, places_in
 from fgenv.envs.rendering import Frame, Screen
 from fgenv.envs.simulator import Source, StepResult
 from fgenv.envs.spaces import action_box, observation_box
@@ -117,8 +117,21 @@ class FleetVecEnv(VecEnv):
         return [seed + w for w in range(self.simulator.n_worlds) for _ in self.simulator.names]
 
     def reset(self) -> Floats32:
-        """Begin episodes; return observations (rows, size)."""
-        rows = self.simulator.reset(first_seed(self.simulator, self._seed))
+        """Begin episodes; return observations (rows, size).
+
+        The options `starts` and `goals` of `set_options` are configurations (nq,) by name of robot;
+        a list of options has one per row, and those of a world's first row hold.
+
+        Raises:
+            TypeError, ValueError: as `fgenv.envs.FleetEnv.reset`.
+        """
+        simulator = self.simulator
+        every = self._options[:: simulator.n_robots]
+        given = [(w, places_in(simulator, options)) for w, options in enumerate(every)]
+        rows = simulator.reset(first_seed(simulator, self._seed))
+        placed = [place_robots(simulator, places, [w]) for w, places in given]
+        if any(placed):
+            rows = simulator.observe()
         self._seed = None
         self._returns[:] = 0.0
         self._reset_seeds()
@@ -156,6 +169,19 @@ class FleetVecEnv(VecEnv):
             self._set_final_infos(worlds, step, infos)
             observations[worlds] = simulator.reset(worlds=worlds)
         return self._flat(observations), rewards, np.repeat(ended, simulator.n_robots), infos
+
+    def get_state(self) -> tuple[bytes, NDArray[np.float64]]:
+        """Return the state of all worlds and the returns of rows, for `set_state`."""
+        return self.simulator.state(), self._returns.copy()
+
+    def set_state(self, state: tuple[bytes, NDArray[np.float64]]) -> None:
+        """Continue from a state of `get_state`, bit for bit.
+
+        Raises:
+            ValueError: the state is of another environment.
+        """
+        self.simulator.set_state(state[0])
+        self._returns = state[1].copy()
 
     def get_images(self) -> Sequence[Frame | None]:
         """Return a frame of each world."""

@@ -33,6 +33,20 @@ class FleetAECEnv(parallel_to_aec_wrapper):  # type: ignore[misc]
             self.env.checked(agent, action)
         super().step(action)
 
+    def get_state(self) -> dict[str, Any]:
+        """Return the state of the episode and of the turns, for `set_state`."""
+        turns = {name: value for name, value in vars(self).items() if name != "env"}
+        return {"env": self.env.get_state(), "turns": copy.deepcopy(turns)}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Continue from a state of `get_state`, bit for bit.
+
+        Raises:
+            ValueError: the state is of another environment.
+        """
+        self.env.set_state(state["env"])
+        self.__dict__.update(copy.deepcopy(state["turns"]))
+
     def __copy__(self) -> FleetAECEnv:
         return copy.deepcopy(self)
 

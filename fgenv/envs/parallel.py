@@ -23,12 +23,13 @@ from pettingzoo.utils import ParallelEnv
 from fgenv.arrays import Floats, Floats32
 
 from .infos import Info, infos
-from .options import check_reset_options, first_seed, refuse_worlds
+from .options import check_reset_options, first_seed, place_robots, places_in, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, StepResult
 from .simulator_settings import MAX_STEPS, check_integer
 from .single_agent import real_numbers
 from .spaces import action_box, observation_box, state_box, state_of
+from .state_readers import MOVING
 
 Rows = dict[str, Floats32]
 Infos = dict[str, Info]
@@ -60,7 +61,7 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
             )
         self.simulator, self.render_mode = simulator, render_mode
         self.possible_agents = list(simulator.names)
-        self.agents: list[str] = []
+        self._active: tuple[int, list[str]] = -1, []
         self.metadata = {  # type: ignore[misc]
             **type(self).metadata,
             "name": f"fgenv/{simulator.scenario.name}",
@@ -74,6 +75,16 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         self._uniform = len(set(self._shapes)) == 1
         self._screen = Screen(simulator, render_mode)
         self.np_random, self.np_random_seed = np_random()
+
+    @property
+    def agents(self) -> list[str]:
+        """Names of the robots whose episode is not over, also after `Simulator.set_state`."""
+        if self._active[0] != self.simulator.changes:
+            moving = self.simulator.begun and not self.simulator.over[0]
+            status = self.simulator.status[0].tolist() if moving else ()
+            names = [n for n, s in zip(self.possible_agents, status, strict=False) if s == MOVING]
+            self._active = self.simulator.changes, names
+        return self._active[1]
 
     @property
     def observation_spaces(self) -> dict[str, Box]:
@@ -111,18 +122,38 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
 
         Without a seed the first episode has a seed of fresh entropy, see `np_random_seed`.
 
+        Args:
+            options: `starts` and `goals`: configurations (nq,) by name of robot; other robots have
+                those of the episode. Options that other environments take are ignored.
+
         Raises:
-            TypeError: options are no dict. There are no options.
+            TypeError: options are no dict.
+            ValueError: a start or goal of an unknown robot, of a wrong shape, outside the limits,
+                or a start in contact.
         """
         check_reset_options(options)
+        places = places_in(self.simulator, options)
         seed = first_seed(self.simulator, seed)
         if seed is not None:
             self.np_random, self.np_random_seed = np_random(seed)
-        rows = self.simulator.reset(seed)[0]
-        self.agents = list(self.possible_agents)
-        return self._rows(rows, self.agents), dict(
+        rows = self.simulator.reset(seed)
+        if place_robots(self.simulator, places):
+            rows = self.simulator.observe()
+        return self._rows(rows[0], self.agents), dict(
             zip(self.agents, infos(self.simulator), strict=True)
         )
+
+    def get_state(self) -> bytes:
+        """Return the state of the episode, for `set_state`; see `Simulator.state`."""
+        return self.simulator.state()
+
+    def set_state(self, state: bytes) -> None:
+        """Continue from a state of `get_state`, bit for bit.
+
+        Raises:
+            ValueError: the state is of another environment.
+        """
+        self.simulator.set_state(state)
 
     def step(
         self, actions: Mapping[str, ArrayLike]
@@ -148,7 +179,8 @@ class FleetParallelEnv(ParallelEnv):  # type: ignore[misc]
         indices = [self._indices[name] for name in acting]
         rewards, every = step.rewards[0].tolist(), infos(simulator)
         ends = [over or every[i]["success"] for i in indices]
-        self.agents = [n for n, end in zip(acting, ends, strict=True) if not (late or end)]
+        left = [n for n, end in zip(acting, ends, strict=True) if not (late or end)]
+        self._active = simulator.changes, left  # without asking the simulator again
         return (
             self._rows(step.observations[0], acting),
             dict(zip(acting, [rewards[i] for i in indices], strict=True)),

@@ -42,6 +42,8 @@ class StepResult(NamedTuple):
 class Simulator(SimulatorState):
     """Worlds of one scenario, stepped at once.
 
+    `changes` counts resets, steps and other changes of the state, for views that keep a copy.
+
     Arrays have shape (worlds, robots, ...). If robots differ, rows are as wide as the widest one
     and end in zeros.
 
@@ -132,6 +134,7 @@ class Simulator(SimulatorState):
         self.final_observations: Floats32 | None = None
         self._begun = False
         self._over = np.zeros(self.n_worlds, dtype=bool)
+        self.changes = 0
 
     def reset(
         self,
@@ -155,6 +158,7 @@ class Simulator(SimulatorState):
         observations = self._core.reset(which, seeds, self.settings.threads)
         self._begun = True
         self._over[which] = False
+        self.changes += 1
         return observations
 
     def step(self, actions: ArrayLike, *, after_end: bool = False) -> StepResult:
@@ -180,6 +184,7 @@ class Simulator(SimulatorState):
             arrived_before = arrived & (self.arrival_steps < self.steps[:, None])
             rewards = rewards + np.where(arrived_before, 0.0, own)
         self._over = terminated | truncated
+        self.changes += 1
         self.final_observations = None
         if self.autoreset and self._over.any():
             self.final_observations = rows.copy()
@@ -211,9 +216,13 @@ class Simulator(SimulatorState):
         return self._core.safe_actions(actions, rest, self.settings.threads)
 
     def place(self, world: int, robot: int, start: ArrayLike, goal: ArrayLike) -> None:
-        """Begin a robot's episode, from a start to a goal, (nq,), without a collision check."""
+        """Begin a robot's episode, from a start to a goal, (nq,), without a collision check.
+
+        The episode of a world that was over goes on, if nothing else has ended it.
+        """
         self._check_begun("place")
         self._core.place(world, robot, start=start, goal=goal)
+        self._update_over()
 
     def set_path(self, world: int, robot: int, path: ArrayLike) -> None:
         """Set a robot's path (K, nq): its mask follows from it, and so does the path hint."""
@@ -266,9 +275,13 @@ class Simulator(SimulatorState):
         self._begun = False
         self._core.set_state(state)
         self._begun = True
+        self._update_over()
+
+    def _update_over(self) -> None:
         self._over = (self.status != MOVING).all(axis=1) | (self.steps >= self.horizon)
         if self.scenario.on_collision == "terminate":
             self._over |= (self.hits >= 0).any(axis=1)
+        self.changes += 1
 
     def __getstate__(self) -> dict[str, Any]:
         left_out = {"_core", "_like", *CACHED}
@@ -278,11 +291,11 @@ class Simulator(SimulatorState):
     def __setstate__(self, kept: dict[str, Any]) -> None:
         state = kept.pop("state")
         self.__dict__.update(kept)
-        over, final = self._over, self.final_observations
+        over, final, changes = self._over, self.final_observations, self.changes
         self._make_core()
         if state is not None:
             self.set_state(state)
-        self._over, self.final_observations = over, final
+        self._over, self.final_observations, self.changes = over, final, changes
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Simulator:
         other = object.__new__(type(self))

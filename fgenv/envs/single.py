@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from fgenv.arrays import Floats32
 
 from .infos import Info, infos
-from .options import check_reset_options, first_seed, refuse_worlds
+from .options import check_reset_options, first_seed, place_robots, places_in, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source
-from .single_agent import LearningRobot, real_numbers
+from .single_agent import LearnerState, LearningRobot, real_numbers
 from .spaces import action_box, observation_box
 
 
@@ -68,13 +68,35 @@ class FleetEnv(gymnasium.Env[Any, Any]):
 
         Without a seed the first episode has a seed of fresh entropy, see `np_random_seed`.
 
+        Args:
+            options: `starts` and `goals`: configurations (nq,) by name of robot; other robots have
+                those of the episode. Options that other environments take are ignored.
+
         Raises:
-            TypeError: options are no dict. There are no options.
+            TypeError: options are no dict.
+            ValueError: a start or goal of an unknown robot, of a wrong shape, outside the limits,
+                or a start in contact.
         """
         check_reset_options(options)
+        places = places_in(self.simulator, options)
         seed = first_seed(self.simulator, seed)
         super().reset(seed=seed)
-        return self.learner.reset(seed)[0], self._info()
+        rows = self.learner.reset(seed)
+        if place_robots(self.simulator, places):
+            rows = self.learner.observe()
+        return rows[0], self._info()
+
+    def get_state(self) -> LearnerState:
+        """Return the state of the episode and of the other robots' policy, for `set_state`."""
+        return self.learner.get_state()
+
+    def set_state(self, state: LearnerState) -> None:
+        """Continue from a state of `get_state`, bit for bit.
+
+        Raises:
+            ValueError: the state is of another environment.
+        """
+        self.learner.set_state(state)
 
     def step(self, action: ArrayLike) -> tuple[Floats32, float, bool, bool, Info]:
         """Step with the robot's action (size,).

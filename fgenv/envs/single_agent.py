@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -25,6 +26,13 @@ class RobotStep(NamedTuple):
     truncated: Flags  # (worlds,): the horizon is reached
 
 
+class LearnerState(NamedTuple):
+    """The state of an environment with a learning robot."""
+
+    simulator: bytes
+    policy: Any  # a copy of that of the other robots
+
+
 class LearningRobot:
     """The learning robot in each world of a simulator without autoreset.
 
@@ -37,7 +45,7 @@ class LearningRobot:
     def __init__(self, simulator: Simulator, robot: str | int, others: Any) -> None:
         self.simulator, self.index = simulator, robot_index(simulator, robot)
         self.others, self._policy = others, policy_of(others)
-        self._over = np.ones(simulator.n_worlds, dtype=bool)
+        self._seen = -1  # changes of the simulator at the last observations
 
     @property
     def name(self) -> str:
@@ -54,9 +62,36 @@ class LearningRobot:
                 first = seed if isinstance(seed, (int, np.integer)) else seed[0]
                 self._policy = policy_of(self.others, int(first))
             self._policy.reset(View(self.simulator))
-        self._over[slice(None) if worlds is None else np.asarray(worlds)] = False
-        self._observations = self.simulator.observe()
+        return self.observe()
+
+    def observe(self) -> Floats32:
+        """Return the observations of the current state, (worlds, size)."""
+        self._keep(self.simulator.observe())
         return self._own(self._observations)
+
+    @property
+    def over(self) -> Flags:
+        """Whether the episode of each robot is over or has not begun, (worlds,)."""
+        if not self.simulator.begun:
+            return np.ones(self.simulator.n_worlds, dtype=bool)
+        arrived: Flags = self.simulator.status[:, self.index] != MOVING
+        return arrived | self.simulator.over
+
+    def get_state(self) -> LearnerState:
+        """Return the state of all worlds and of the policy of the other robots."""
+        return LearnerState(self.simulator.state(), self._copied(self._policy))
+
+    def set_state(self, state: LearnerState) -> None:
+        """Continue from a state, bit for bit."""
+        self.simulator.set_state(state.simulator)
+        self._policy = self._copied(state.policy)
+
+    def _copied(self, policy: Any) -> Any:
+        """A copy of a policy for the same simulator, which it may refer to."""
+        return copy.deepcopy(policy, {id(self.simulator): self.simulator})
+
+    def _keep(self, observations: Floats32) -> None:
+        self._observations, self._seen = observations, self.simulator.changes
 
     def step(self, actions: ArrayLike, begin_next: bool = False) -> RobotStep:
         """Step with actions (worlds, size); an episode ends with that of the robot.
@@ -70,20 +105,21 @@ class LearningRobot:
             RuntimeError: an episode is over.
         """
         own = self._checked(actions)
-        over = self._over.copy()
+        over = self.over
         if over.any() and not (begin_next and self.simulator.begun):
             raise RuntimeError("step: the episode is over or has not begun; call reset()")
+        if self._seen != self.simulator.changes:
+            self.observe()
         every = checked_actions(self._policy, self.simulator, self._observations)
         every[:, self.index, : own.shape[1]] = own
         step = self.simulator.step(every, after_end=begin_next)
-        self._observations = step.observations
+        self._keep(step.observations)
         terminated = step.terminated | (self.simulator.status[:, self.index] != MOVING)
         truncated = step.truncated & ~terminated
         rewards = step.rewards[:, self.index].copy()
         if over.any():
             self.reset(worlds=np.flatnonzero(over))
             terminated, truncated, rewards = terminated & ~over, truncated & ~over, rewards * ~over
-        self._over = terminated | truncated
         return RobotStep(self._own(self._observations), rewards, terminated, truncated)
 
     def _own(self, observations: Floats32) -> Floats32:

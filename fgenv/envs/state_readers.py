@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv import _core
-from fgenv.arrays import Floats
+from fgenv.arrays import Flags, Floats
 from fgenv.collision import World
 from fgenv.robots import Action, Robot
 from fgenv.scenarios import Built, Scenario
@@ -43,6 +43,7 @@ class SimulatorState:
     _core: _core.Simulator
     _like: World
     _begun: bool
+    _over: Flags
 
     def _check_begun(self, method: str) -> None:
         """Raise RuntimeError before the first reset."""
@@ -144,6 +145,11 @@ class SimulatorState:
     def begun(self) -> bool:
         """Whether the simulator has been reset; before, there is no state."""
         return self._begun
+
+    @property
+    def over(self) -> Flags:
+        """Whether the episode of each world is over, (worlds,)."""
+        return self._over.copy()
 
     @property
     def configurations(self) -> Floats:

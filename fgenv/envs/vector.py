@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from fgenv.arrays import Flags, Floats, Floats32
 
 from .infos import Info, info_arrays
-from .options import check_reset_options, first_seed, refuse_worlds
+from .options import check_reset_options, first_seed, place_robots, places_in, refuse_worlds
 from .rendering import MODES, Frame, Screen
 from .simulator import Simulator, Source, world_seeds
-from .single_agent import LearningRobot
+from .single_agent import LearnerState, LearningRobot
 from .spaces import action_box, observation_box
 
 
@@ -88,7 +88,11 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         Without a seed the first episodes have seeds of fresh entropy, see `np_random_seed`.
 
         Args:
-            options: `reset_mask`, (worlds,) bool: the worlds that begin.
+            options: `reset_mask`, (worlds,) bool: the worlds that begin; `starts` and `goals`:
+                configurations (nq,), or (worlds that begin, nq), by name of robot.
+
+        Raises:
+            TypeError, ValueError: as `FleetEnv.reset`, or a mask of another shape.
         """
         check_reset_options(options)
         seed = first_seed(self.simulator, seed)
@@ -98,7 +102,24 @@ class FleetVectorEnv(VectorEnv[Floats32, Any, NDArray[Any]]):
         if worlds is not None:
             worlds = np.flatnonzero(checked_mask(worlds, self.num_envs))
             seeds = seeds and [seeds[k] for k in worlds.tolist()]
-        return self.learner.reset(seeds, worlds), self._infos()
+        begin = self.num_envs if worlds is None else len(worlds)
+        places = places_in(self.simulator, options, begin)
+        rows = self.learner.reset(seeds, worlds)
+        if place_robots(self.simulator, places, worlds):
+            rows = self.learner.observe()
+        return rows, self._infos()
+
+    def get_state(self) -> LearnerState:
+        """Return the state of the episode and of the other robots' policy, for `set_state`."""
+        return self.learner.get_state()
+
+    def set_state(self, state: LearnerState) -> None:
+        """Continue from a state of `get_state`, bit for bit.
+
+        Raises:
+            ValueError: the state is of another environment.
+        """
+        self.learner.set_state(state)
 
     def step(self, actions: ArrayLike) -> tuple[Floats32, Floats, Flags, Flags, Info]:
         """Step all worlds with actions (worlds, size); errors are those of `FleetEnv.step`."""
