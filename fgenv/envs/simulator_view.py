@@ -56,6 +56,16 @@ class View:
         return self._simulator.horizon
 
     @property
+    def seeds(self) -> NDArray[np.int64]:
+        """Seed of each world, (worlds,)."""
+        return self._simulator.seeds
+
+    @property
+    def episodes(self) -> NDArray[np.int64]:
+        """Number of each world's episode since its seed was given, (worlds,)."""
+        return self._simulator.episodes
+
+    @property
     def steps(self) -> NDArray[np.int64]:
         """Steps of the episode so far, (worlds,)."""
         return self._simulator.steps

@@ -38,13 +38,12 @@ class LearningRobot:
 
     Args:
         robot: its name or index.
-        others: policy of the other robots, see `policy_of`. A named policy is made anew with each
-            seed.
+        others: policy of the other robots, see `policy_of`.
     """
 
     def __init__(self, simulator: Simulator, robot: str | int, others: Any) -> None:
         self.simulator, self.index = simulator, robot_index(simulator, robot)
-        self.others, self._policy = others, policy_of(others)
+        self._policy = policy_of(others)
         self._seen = -1  # changes of the simulator at the last observations
 
     @property
@@ -58,9 +57,6 @@ class LearningRobot:
         """Begin episodes of all or some worlds; return observations of all, (worlds, size)."""
         self.simulator.reset(seed, worlds)
         if worlds is None:
-            if isinstance(self.others, str) and seed is not None:
-                first = seed if isinstance(seed, (int, np.integer)) else seed[0]
-                self._policy = policy_of(self.others, int(first))
             self._policy.reset(View(self.simulator))
         return self.observe()
 

@@ -70,11 +70,23 @@ def test_same_seed_same_actions() -> None:
 def test_random_differs_between_episodes() -> None:
     simulator, policy = Simulator("swap", n=4), RandomPolicy(5)
     acts = []
-    for _ in range(2):
-        observations = simulator.reset(seed=0)
+    for seed in (0, None, 0):
+        observations = simulator.reset(seed)
         policy.reset(View(simulator))
         acts.append(policy.act(observations))
     assert (acts[0] != acts[1]).all()
+    assert (acts[0] == acts[2]).all()  # the first episode of the same seed
+
+
+def test_random_in_many_worlds_is_random_in_each() -> None:
+    many = Simulator("swap", 3, n=4)
+    rows = [begun("random", many, 5)[w] for w in range(3)]
+    for w in range(3):
+        simulator = Simulator("swap", n=4)
+        simulator.reset(seed=w)
+        policy = RandomPolicy(5)
+        policy.reset(View(simulator))
+        np.testing.assert_array_equal(policy.act(simulator.observe())[0], rows[w])
 
 
 def test_any_class_with_the_protocol_is_a_policy() -> None:

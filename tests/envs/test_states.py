@@ -205,3 +205,28 @@ def test_wrong_starts_and_goals_are_refused(
 
 def test_options_of_test_suites_are_ignored() -> None:
     fgenv.parallel_env("swap").reset(seed=0, options={"options": 1})
+
+
+POLICIES = ("rest", "goto", "random", "orca", "replan:prioritized")
+
+
+@pytest.mark.parametrize("starts", ["scenario", "random"])
+@pytest.mark.parametrize("others", POLICIES)
+def test_a_world_of_a_vector_environment_is_the_single_one(others: str, starts: str) -> None:
+    """World k of seed s is the environment of seed s + k, with each policy of the others."""
+    options = {**OPTIONS, "starts": starts, "others": others, "max_steps": 12}
+    vector = FleetVectorEnv("swap", WORLDS, autoreset_mode="SAME_STEP", **options)
+    singles = [FleetEnv("swap", **options) for _ in range(WORLDS)]
+    rows, _ = vector.reset(seed=5)
+    for k, single in enumerate(singles):
+        np.testing.assert_array_equal(single.reset(seed=5 + k)[0], rows[k])
+    rng = np.random.default_rng(0)
+    for _ in range(30):  # over two ends of episodes
+        actions = rng.uniform(-1, 1, vector.action_space.shape)
+        rows, rewards, terminated, truncated, _ = vector.step(actions)
+        for k, single in enumerate(singles):
+            row, reward, *ends, _ = single.step(actions[k])
+            assert (reward, ends) == (rewards[k], [terminated[k], truncated[k]])
+            if any(ends):
+                row = single.reset()[0]
+            np.testing.assert_array_equal(row, rows[k])
