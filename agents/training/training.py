@@ -40,8 +40,8 @@ from fgenv.agents.training.validation import EvaluationResult, validate, validat
 class Training:
     """Trains in the stages of a curriculum.
 
-    An interrupted training continues from its last evaluation with `resume=True`, with other
-    random numbers than an uninterrupted one.
+    An interrupted training continues where it was with `resume=True`, with other random numbers
+    than an uninterrupted one.
 
     Raises:
         ValueError: no training to resume, or other settings.
@@ -59,15 +59,26 @@ class Training:
             self.steps, self.best = self.checkpoint.load_state(config.settings)
         else:
             self.checkpoint.begin()
-        self._evaluated = self.steps
+        self._evaluated = self._saved = self.steps
         self._cases = validation_cases(config)
 
     def run(self, progress: Progress | None = None) -> PolicyFile:
         """Train all stages.
 
+        After Ctrl-C the state of the training is saved as it is, to be resumed.
+
         Args:
             progress: called with the steps so far and, after an evaluation, its result.
         """
+        try:
+            self._run(progress)
+        except KeyboardInterrupt:
+            if self.model is not None and self.steps > self._saved:
+                self.save()
+            raise
+        return PolicyFile.load(self.checkpoint.policy)
+
+    def _run(self, progress: Progress | None) -> None:
         stages, end = self.config.recipe.stages, 0.0
         for number, stage in enumerate(stages):
             end += stage.share
@@ -81,7 +92,6 @@ class Training:
             self.steps = self.model.num_timesteps
         if self.model is not None and self.steps > self._evaluated:
             self.evaluate(progress)
-        return PolicyFile.load(self.checkpoint.policy)
 
     def _callback(self, progress: Progress | None) -> EvaluationCallback:
         def on_step(steps: int) -> None:
@@ -104,13 +114,20 @@ class Training:
             self.best = result
             file.save(self.checkpoint.policy)
         self.checkpoint.append(result)
+        self.save()
+        if progress is not None:
+            progress(self.steps, result)
+        return result
+
+    def save(self) -> None:
+        """Save the model and the state of the training; the policy too if there is none yet."""
+        self._saved, file = self.steps, self.export()
+        if self.best is None:
+            file.save(self.checkpoint.policy)
         self._save_model()
         self._save_normalization()
         self.checkpoint.save_settings(file.about)
         self.checkpoint.save_state(self.config.settings, self.steps, self.best)
-        if progress is not None:
-            progress(self.steps, result)
-        return result
 
     def export(self) -> PolicyFile:
         """Return the current policy."""

@@ -94,9 +94,9 @@ def train(
     report(training, scenario, folder / "policy.npz", seconds, as_json)
     if interrupted:
         console.print(
-            "interrupted: the same command with --resume goes on from the last evaluation"
-            if training.best
-            else "interrupted before the first evaluation: nothing of it is kept"
+            f"interrupted: the same command with --resume goes on from {training.steps:,} steps"
+            if training.steps
+            else "interrupted before the first steps: nothing of it is kept"
         )
         raise KeyboardInterrupt
 
@@ -110,11 +110,11 @@ def report(training: Training, scenario: str, path: Path, seconds: float, as_jso
             "seed": training.config.seed,
             "steps": training.steps,
             "best": training.best and asdict(training.best),
-            "policy": training.best and str(path),  # an older file there is not of this training
+            "policy": str(path) if path.exists() else None,
             "wall_seconds": seconds,
         }
         typer.echo(json.dumps(data, indent=1))
-    elif training.best:
+    elif path.exists():
         typer.echo(f"written: {path}, {path.stat().st_size:,} bytes, after {seconds:.0f} s")
         typer.echo(f"try it: fgenv run {scenario} --policy mlp:{path}")
 

@@ -219,8 +219,29 @@ def test_an_older_policy_in_the_folder_is_not_reported(
         assert stopped.value.code == 130
         output = capsys.readouterr()
         assert "written" not in output.out
-        assert "before the first evaluation" in output.out + output.err
+        assert "before the first steps" in output.out + output.err
     assert json.loads(output.out)["policy"] is None
+
+
+@pytest.mark.parametrize("at", [100, 700, 1_500])
+def test_an_interrupted_training_goes_on_where_it_was(at: int, tmp_path: Path) -> None:
+    """Before its first evaluation, nothing of it was kept."""
+
+    def interrupt(steps: int, result: Any) -> None:
+        if steps >= at and result is None:
+            raise KeyboardInterrupt
+
+    config = TrainingConfig("swap", SWAP, steps=2_000, every=1_000)
+    training = Training(config, tmp_path)
+    with pytest.raises(KeyboardInterrupt):
+        training.run(interrupt)
+    assert training.steps >= at
+    about = PolicyFile.load(tmp_path / "policy.npz").about
+    assert about["steps"] == (training.steps if training.best is None else training.best.steps)
+    again = Training(config, tmp_path, resume=True)
+    assert (again.steps, again.best) == (training.steps, training.best)
+    assert again.run().about["steps"] >= about["steps"]
+    assert again.steps >= 2_000
 
 
 def test_a_new_training_removes_the_older_one(folder: Path, tmp_path: Path) -> None:
