@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
 
+from fgenv.printable import printable
+
 from .documents import read_document
 
 PACKAGE_SCHEMES = ("package://", "model://")
@@ -49,7 +51,7 @@ def find_mesh(name: str, source: Path, paths: PackagePaths) -> Path:
         if place.is_file():
             return place
         tried[place] = None
-    searched = ", ".join(map(str, tried)) or "no folder"
+    searched = ", ".join(printable(str(place)) for place in tried) or "no folder"
     scheme = next((s for s in PACKAGE_SCHEMES if name.startswith(s)), None)
     remedy = "put it there"
     if scheme is not None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fgenv.collision import Shape
 from fgenv.collision.mesh_files import read_mesh_file
+from fgenv.printable import printable
 
 from .mesh_location import PackagePaths, find_mesh
 
@@ -57,5 +58,5 @@ class MeshShapes:
             try:
                 self.shapes[key] = Shape(vertices, faces, name=file.stem, **self.options)
             except ValueError as error:
-                raise ValueError(f"{label}: {file}: {error}") from None
+                raise ValueError(f"{label}: {printable(str(file))}: {error}") from None
         return self.shapes[key]

@@ -223,3 +223,13 @@ def test_errors_of_the_tree_name_the_file(tmp_path: Path) -> None:
     links = '<link name="a"/><link name="a"/>'
     with pytest.raises(ValueError, match=r"r\.urdf: link 'a': got two of this name"):
         robot(tmp_path, links)
+
+
+@pytest.mark.parametrize("uri", ["a\n\tb.stl", "file:///no\x1b[31m.stl", "package://p\u202e/a.stl"])
+def test_names_of_files_in_messages_have_no_control_characters(tmp_path: Path, uri: str) -> None:
+    """A fuzzer's SDF had a line break in the name of a mesh, and the message had three lines."""
+    text = "".join(f"&#{ord(c)};" if not c.isprintable() and c != "\x1b" else c for c in uri)
+    geometry = f'<geometry><mesh filename="{text}"/></geometry>'
+    with pytest.raises((ValueError, FileNotFoundError)) as error:
+        robot(tmp_path, f'<link name="a"><collision>{geometry}</collision></link>')
+    assert str(error.value).isprintable()

@@ -42,7 +42,7 @@ class MeshSource:
     def fail(self, received: str, expected: str, *, line: int | None = None) -> NoReturn:
         """Raise the ValueError of unreadable content: place, value received, value expected."""
         at = "" if line is None else f" line {line}:"
-        raise ValueError(f"path: {self.path}:{at} got {printable(received)}, expected {expected}")
+        raise ValueError(printable(f"path: {self.path}:{at} got {received}, expected {expected}"))
 
 
 @dataclass(frozen=True)
