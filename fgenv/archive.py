@@ -22,6 +22,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fgenv.file_kind import ARCHIVES, other_kind
 from fgenv.npz import LIMIT, Header, open_npz
 from fgenv.printable import printable
 from fgenv.saving import atomic
@@ -114,8 +115,9 @@ class Archive:
                 raise
             raise self.error(f"{path}: {printable(str(error))}") from error
         except Exception as error:  # zip, zlib, NumPy, JSON and pydantic each have their own
-            message = f"{path}: is damaged, or no {self.kind}; {self.remedy}"
-            raise self.error(message) from error
+            other = self.kind in ARCHIVES and other_kind(path, ARCHIVES[self.kind])
+            message = other or f"is damaged, or no {self.kind}; {self.remedy}"
+            raise self.error(f"{path}: {message}") from error
 
     def _stored(self, arrays: Arrays) -> dict[str, NDArray[Any]]:
         """Arrays with the dtypes of the file."""

@@ -256,6 +256,7 @@ class PlanPolicy(BasePolicy):
 
 def plan(argument: str, seed: int) -> PlanPolicy:
     """Make the policy named `plan[:METHOD[:PLANNER]]` or `plan:FILE.npz`."""
-    if argument.endswith(".npz"):
+    file = Path(argument)
+    if file.suffix == ".npz" or (file.suffix and file.is_file()):
         return PlanPolicy(plan=argument)
     return PlanPolicy(*method_and_planner(argument), seed=seed)

@@ -16,6 +16,7 @@ from fgenv.paper.scene import model_list, robot_shape
 from fgenv.paper.timed_path import TimedPath
 from fgenv.planners import Problem
 from fgenv.robots.primitives import box
+from fgenv.saving import atomic
 from fgenv.view.figures.camera import Camera
 from fgenv.view.figures.layout import beside, captioned
 from fgenv.view.figures.palette import (
@@ -43,7 +44,8 @@ def draw_figures(experiment: Experiment, folder: str | Path) -> Iterator[Path]:
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in FIGURES.items():
-        quantize(figure(experiment)).save(target / name, optimize=True)
+        with atomic(target / name) as partial:
+            quantize(figure(experiment)).save(partial, optimize=True)
         yield target / name
 
 

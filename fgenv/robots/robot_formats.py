@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from fgenv.file_kind import ROBOT, other_kind
+
 from .configuration_space import ConfigurationSpace
 from .documents import read_document
 from .mesh_location import PackagePaths
@@ -66,6 +68,8 @@ def root_element(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix in USD:
         raise ValueError(f"path: {path} is USD, which is not read; export it as URDF or MJCF")
+    if other := other_kind(path, ROBOT):
+        raise ValueError(f"path: {path}: {other}")
     if suffix in SUFFIXES:
         return SUFFIXES[suffix]
     expected = "a robot as URDF, xacro, MJCF or SDF"

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fgenv.arrays import Ints32
+from fgenv.file_kind import FROZEN_SET, other_kind
 from fgenv.npz import open_npz
 from fgenv.saving import atomic
 
@@ -193,6 +194,8 @@ def opened(path: Path) -> FrozenSet:
     except (FileNotFoundError, IsADirectoryError, PermissionError):
         raise
     except Exception as error:  # zip, zlib, NumPy and JSON each have their own
+        if other := other_kind(path, FROZEN_SET):
+            raise ScenarioError(path, [Problem(other)]) from error
         raise damaged from error
     if found.id != said:
         raise damaged

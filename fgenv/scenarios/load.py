@@ -55,7 +55,8 @@ def is_file_name(source: str | Path) -> bool:
     """Whether the source is a file rather than the name of a built-in scenario."""
     path = Path(source)
     suffix = path.suffix in SUFFIXES or registry.format_of_suffix(path) is not None
-    return isinstance(source, Path) or suffix or len(path.parts) > 1
+    named = bool(path.suffix) and path.is_file()  # e.g. record.npz: its kind is named
+    return isinstance(source, Path) or suffix or named or len(path.parts) > 1
 
 
 def validate(path: str | Path) -> list[Problem]:

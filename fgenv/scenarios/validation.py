@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
@@ -13,10 +14,11 @@ from fgenv.robots import Robot
 from fgenv.scenarios.shapes.bodies import MeshFile
 
 from .build import ROBOTS, STATIC, Built, assemble, robot_model, robot_of
-from .errors import Location, Problem, near, path_text
+from .errors import Location, Problem, cut, near, path_text
 from .schema import Body, RobotSpec, ScenarioSpec
 
 BUILD_ERRORS = (ValueError, TypeError, OSError, ImportError)  # raised by shapes and models
+MAX_SUGGESTED = 1000  # invalid names that are compared with an unknown one
 ENDS = ("start", "goal")
 
 
@@ -80,7 +82,10 @@ def _reference(
     place: Location, name: str, known: Collection[str], dropped: Collection[str]
 ) -> Iterator[Fault]:
     if name not in known and name not in dropped:
-        yield Fault(place, f"nothing is named {name!r}", near(name, known))
+        invalid = [cut(other) for other in sorted(dropped)[:MAX_SUGGESTED]]
+        names = [*known, *difflib.get_close_matches(name, invalid)]
+        remedy = near(name, names) if names else "no such items are defined; add it"
+        yield Fault(place, f"nothing is named {name!r}", remedy)
 
 
 def _repeated_names(scenario: ScenarioSpec) -> Iterator[Fault]:

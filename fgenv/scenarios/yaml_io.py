@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import yaml
 
+from fgenv.file_kind import SCENARIO, other_kind
 from fgenv.saving import save_text
 
 from .errors import Problem, ScenarioError, cut
@@ -70,6 +71,8 @@ def read(path: Path, loader: type[Any] = Loader) -> Document:
         raise ScenarioError(path, [Problem("is no regular file", "copy its content to a file")])
     if path.is_file() and path.stat().st_size > 4 * LONGEST:  # of UTF-8
         raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
+    if other := other_kind(path, SCENARIO):
+        raise ScenarioError(path, [Problem(other)])
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
+from fgenv.file_kind import MESH, other_kind
 from fgenv.regular_file import check_regular, read_regular
 
 from .archive import gunzip, unzip_one
@@ -76,6 +77,8 @@ def open_mesh(path: Path, formats: Collection[str]) -> MeshSource:
     source = MeshSource(path, path.suffix.lower(), b"")
     if source.suffix not in {*formats, ".gz", ".zip"} and not path.is_dir():
         check_regular(path, "a mesh file", MAX_BYTES)
+        if other := other_kind(path, MESH):
+            raise ValueError(f"path: {path}: {other}")
         refuse_suffix(source, formats)
     source = MeshSource(path, source.suffix, read_mesh_bytes(path))
     if source.suffix == ".gz":
@@ -113,6 +116,8 @@ def _check_content(source: MeshSource) -> None:
     for mark, (received, expected) in IMPOSTORS.items():
         if head.startswith(mark):
             source.fail(received, expected)
+    if other := other_kind(source.path, MESH):
+        raise ValueError(f"path: {source.path}: {other}")
     for mark, (name, suffixes) in MARKS.items():
         if source.data.startswith(mark) and source.suffix not in suffixes:
             source.fail(
