@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fgenv.file_kind import ROBOT, other_kind
+from fgenv.printable import printable
 
 from .configuration_space import ConfigurationSpace
 from .documents import read_document
@@ -69,7 +70,7 @@ def root_element(path: Path) -> str:
     if suffix in USD:
         raise ValueError(f"path: {path} is USD, which is not read; export it as URDF or MJCF")
     if other := other_kind(path, ROBOT):
-        raise ValueError(f"path: {path}: {other}")
+        raise ValueError(printable(f"path: {path}: {other}"))
     if suffix in SUFFIXES:
         return SUFFIXES[suffix]
     expected = "a robot as URDF, xacro, MJCF or SDF"

@@ -6,6 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from fgenv.file_kind import MESH, other_kind
+from fgenv.printable import printable
 from fgenv.regular_file import check_regular, read_regular
 
 from .archive import gunzip, unzip_one
@@ -78,7 +79,7 @@ def open_mesh(path: Path, formats: Collection[str]) -> MeshSource:
     if source.suffix not in {*formats, ".gz", ".zip"} and not path.is_dir():
         check_regular(path, "a mesh file", MAX_BYTES)
         if other := other_kind(path, MESH):
-            raise ValueError(f"path: {path}: {other}")
+            raise ValueError(printable(f"path: {path}: {other}"))
         refuse_suffix(source, formats)
     source = MeshSource(path, source.suffix, read_mesh_bytes(path))
     if source.suffix == ".gz":
@@ -117,7 +118,7 @@ def _check_content(source: MeshSource) -> None:
         if head.startswith(mark):
             source.fail(received, expected)
     if other := other_kind(source.path, MESH):
-        raise ValueError(f"path: {source.path}: {other}")
+        raise ValueError(printable(f"path: {source.path}: {other}"))
     for mark, (name, suffixes) in MARKS.items():
         if source.data.startswith(mark) and source.suffix not in suffixes:
             source.fail(
