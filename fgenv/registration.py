@@ -35,12 +35,10 @@ def register() -> None:
 
 
 def register_gymnasium() -> None:
-    """Register each built-in scenario as `fgenv/NAME-v0`: one robot learns."""
+    """Register each built-in scenario with drives as `fgenv/NAME-v0`: one robot learns."""
     import gymnasium
 
-    from fgenv.scenarios.library import ENTRIES
-
-    for name in ENTRIES:
+    for name in driven_scenarios():
         gymnasium.register(
             f"fgenv/{name}-v0",
             "fgenv.envs.single:FleetEnv",
@@ -50,18 +48,23 @@ def register_gymnasium() -> None:
 
 
 def register_pettingzoo() -> None:
-    """Register each built-in scenario as `fgenv/NAME-v0`, parallel and AEC."""
+    """Register each built-in scenario with drives as `fgenv/NAME-v0`, parallel and AEC."""
     import pettingzoo
-
-    from fgenv.scenarios.library import ENTRIES
 
     if not hasattr(pettingzoo, "register"):  # before PettingZoo 1.27
         return
-    for name in ENTRIES:
+    for name in driven_scenarios():
         given = {"scenario": name}
         parallel = "fgenv.envs.parallel:parallel_env"
         pettingzoo.register("parallel", f"fgenv/{name}-v0", parallel, kwargs=given)
         pettingzoo.register("aec", f"fgenv/{name}-v0", "fgenv.envs.aec:env", kwargs=given)
+
+
+def driven_scenarios() -> list[str]:
+    """Names of the built-in scenarios whose robots have drives."""
+    from fgenv.scenarios.library import ENTRIES
+
+    return [name for name, entry in ENTRIES.items() if entry.driven]
 
 
 def after_import(package: str, function: Callable[[], None]) -> None:

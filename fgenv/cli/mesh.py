@@ -13,6 +13,7 @@ from fgenv.cli.completion import methods_of_shapes
 from fgenv.cli.files import check_target, echo_written
 from fgenv.cli.options import Json, choice_option, file_option
 from fgenv.cli.progress import status
+from fgenv.saving import atomic
 
 MeshFile = Annotated[
     Path,
@@ -65,7 +66,9 @@ def mesh(
             from fgenv.view.figures.mesh_picture import draw_mesh
 
             update("drawing")
-            draw_mesh(shape).save(picture, optimize=True)
+            drawn = draw_mesh(shape)
+            with atomic(picture) as partial:
+                drawn.save(partial, "png", optimize=True)
     messages = [str(warning.message) for warning in caught]
     written = [] if picture is None else [str(picture)]
     if as_json:

@@ -15,6 +15,7 @@ from fgenv.cli.files import check_target, echo_written
 from fgenv.cli.numbers import numbers
 from fgenv.cli.options import Json, file_option
 from fgenv.cli.progress import status
+from fgenv.saving import atomic
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -92,7 +93,9 @@ def robot(
         report = report_of(made, configuration)
         if picture is not None:
             update("drawing")
-            draw_robot(made, configuration).save(picture, optimize=True)
+            drawn = draw_robot(made, configuration)
+            with atomic(picture) as partial:
+                drawn.save(partial, "png", optimize=True)
     messages = [str(warning.message) for warning in caught]
     written = [] if picture is None else [str(picture)]
     if as_json:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fgenv.arrays import Floats
 from fgenv.scenarios import Built, FrozenSet, Scenario, frozen
+from fgenv.scenarios.errors import UnknownOverrideError
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +67,13 @@ def resolve_scenario(
     if not isinstance(source, (str, Path)):
         kind = type(source).__name__
         raise TypeError(f"scenario: got {kind}, expected a name, a path, a Scenario or a FrozenSet")
-    if Path(source).suffix == ".npz":
-        return resolve_scenario(frozen(source, **overrides), cases, {})
-    if cases is None:
-        return Scenario.load(source, **overrides), None
-    frozen_set = frozen(source, cases=cases, **overrides)
+    try:
+        if Path(source).suffix == ".npz":
+            return resolve_scenario(frozen(source, **overrides), cases, {})
+        if cases is None:
+            return Scenario.load(source, **overrides), None
+        frozen_set = frozen(source, cases=cases, **overrides)
+    except UnknownOverrideError as error:  # libraries probe for keywords, and read this wording
+        name = error.problems[0].where
+        raise TypeError(f"got an unexpected keyword argument {name!r} ({error})") from None
     return frozen_set.template, frozen_set

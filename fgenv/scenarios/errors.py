@@ -49,6 +49,10 @@ class ScenarioError(ValueError):
         return type(self), (self.source, self.problems)
 
 
+class UnknownOverrideError(ScenarioError):
+    """Overrides that a scenario does not have; the names are those of `problems`."""
+
+
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 60
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from . import registry
-from .errors import Problem, ScenarioError, near
+from .errors import Problem, ScenarioError, UnknownOverrideError, near
 from .parse import Parsed, parse, problem_of
 from .schema import ScenarioSpec
 from .validation import Fault, all_faults, file_faults, reference_faults
@@ -110,12 +110,12 @@ def _overridden(
 
 
 def _check_names(source: str, overrides: Iterable[str], parameters: Iterable[str]) -> None:
-    """Raise a ScenarioError for overrides that are neither parameters nor plain fields."""
+    """Raise an UnknownOverrideError for overrides that are neither parameters nor plain fields."""
     known = dict.fromkeys((*parameters, *PLAIN_FIELDS))
     unknown = [name for name in overrides if name not in known]
     if unknown:
         problems = [Problem("is no known override", near(name, known), name) for name in unknown]
-        raise ScenarioError(source, problems)
+        raise UnknownOverrideError(source, problems)
 
 
 def _argument_problems(error: ValidationError) -> list[Problem]:

@@ -33,6 +33,7 @@ class Entry:
         dimension: 2 or 3.
         about: a description in one line.
         most: maximum number of robots.
+        driven: whether the robots have drives; others are for planners, not for environments.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Entry:
     dimension: int
     about: str
     most: int = 64
+    driven: bool = True
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -117,14 +119,15 @@ def format_of_keys(data: object) -> FileFormat | None:
 
 
 def builtin(
-    dimension: int, most: int = 64
+    dimension: int, most: int = 64, driven: bool = True
 ) -> Callable[[Callable[P, AnyScenario]], Callable[P, AnyScenario]]:
     """Register a generator under its name, with its docstring's first line and its parameters."""
 
     def register(make: Callable[P, AnyScenario]) -> Callable[P, AnyScenario]:
         checked = validate_call(make)
         name, about = make.__name__.strip("_"), inspect.getdoc(make) or ""
-        ENTRIES[name] = Entry(name, checked, dimension, about.splitlines()[0].rstrip("."), most)
+        line = about.splitlines()[0].rstrip(".")
+        ENTRIES[name] = Entry(name, checked, dimension, line, most, driven)
         return checked
 
     return register

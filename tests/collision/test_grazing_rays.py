@@ -110,3 +110,23 @@ def test_the_distance_is_0_exactly_where_shapes_collide() -> None:
         pose[2, 3] = gap
         for a, b in ((flat, tiny), (shape, tiny), (flat, Shape(box()[0] + [0, 0, 0.5], box()[1]))):
             assert (distance(a, HERE, b, pose) == 0) == collide(a, HERE, b, pose)
+
+
+@pytest.mark.parametrize("length", [1.0, 2.001, 0.3, 7.7])
+def test_a_hit_at_just_the_maximum_distance_is_a_hit(length: float) -> None:
+    """The fuzzer's ray to a corner 2 m away, of direction (0, 0, 2.001), had no hit within 2 m."""
+    rng = np.random.default_rng(0)
+    solid = ball(1.0)
+    shape, world = Shape(*solid), World()
+    world.add(shape, np.eye(4), name="ball")
+    origins = rng.integers(-40, 40, (200, 3)) / 10 + [0.0, 0.0, 8.0]
+    directions = length * (solid[0][rng.integers(len(solid[0]), size=200)] - origins)
+    for cast in (shape.raycast, world.raycast):
+        at, hit = cast(origins, directions)
+        found = np.flatnonzero(np.isfinite(at))
+        assert len(found) > 100
+        for i in found:
+            short, named = cast(origins[i], directions[i], max_distance=at[i])
+            assert (short, named) == (at[i], hit[i])
+            less = np.nextafter(at[i], 0)
+            assert cast(origins[i], directions[i], max_distance=less)[1] == -1

@@ -16,8 +16,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+import fgenv
 from fgenv.envs import FleetEnv, FleetVectorEnv, View
-from fgenv.scenarios import Scenario, ScenarioError
+from fgenv.scenarios import Scenario
 from fgenv.scenarios.library import ENTRIES
 
 DRIVEN = [name for name in ENTRIES if Scenario.load(name).build().robots[0].drive is not None]
@@ -52,14 +53,26 @@ def test_official(others: Any) -> None:
 
 
 def test_all_scenarios_are_registered() -> None:
-    for name in ENTRIES:
+    for name in DRIVEN:
         assert gymnasium.spec(f"fgenv/{name}-v0").vector_entry_point
 
 
-def test_robots_without_a_drive_raise() -> None:
+def test_scenarios_for_planners_are_not_registered() -> None:
+    """Their robots have no drive: an environment could not be made."""
+    assert {name for name, entry in ENTRIES.items() if entry.driven} == set(DRIVEN)
     for name in set(ENTRIES) - set(DRIVEN):
-        with pytest.raises(ValueError, match="without a drive, expected one"):
+        with pytest.raises(gymnasium.error.NameNotFound):
             gymnasium.make(f"fgenv/{name}-v0")
+        with pytest.raises(ValueError, match="without a drive, expected one"):
+            FleetEnv(name)
+
+
+def test_an_unknown_keyword_is_a_type_error() -> None:
+    """TorchRL probes `frameskip=` and reads Python's wording."""
+    with pytest.raises(TypeError, match="got an unexpected keyword argument 'frameskip'"):
+        gymnasium.make("fgenv/swap-v0", frameskip=4)
+    with pytest.raises(TypeError, match="did you mean 'jitter'"):
+        fgenv.parallel_env("swap", jiter=0.1)
 
 
 def test_a_module_in_the_name_imports_it() -> None:
@@ -189,7 +202,7 @@ def test_invalid_arguments_raise() -> None:
         single(robot=4)
     with pytest.raises(TypeError, match="policy: got int, expected a name"):
         single(others=3)
-    with pytest.raises(ScenarioError, match="jiter"):
+    with pytest.raises(TypeError, match="jiter"):
         gymnasium.make("fgenv/swap-v0", jiter=1)
     with pytest.raises(TypeError, match="autoreset"):
         vector(2, autoreset=True)

@@ -246,7 +246,7 @@ def test_before_and_after() -> None:
 def test_unknown_names_raise() -> None:
     with pytest.raises(ScenarioError, match=r"swop.*swap"):
         fgenv.parallel_env("swop")
-    with pytest.raises(ScenarioError, match=r"jiter.*jitter"):
+    with pytest.raises(TypeError, match=r"unexpected keyword argument 'jiter'.*jitter"):
         fgenv.parallel_env("swap", jiter=0.1)
     with pytest.raises(ValueError, match="render_mode: got 'ansi'"):
         fgenv.parallel_env("swap", render_mode="ansi")

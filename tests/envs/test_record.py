@@ -260,7 +260,7 @@ def test_other_kinds_of_files_raise(tmp_path: Path, saved: bytes) -> None:
     with pytest.raises(FileNotFoundError):
         Record.load(tmp_path / "none.npz")
     frozen("swap", n=2, cases=2).save(tmp_path / "set.npz")
-    with pytest.raises(RecordError, match="no record"):
+    with pytest.raises(RecordError, match="got a frozen set, expected a record; use run or eval"):
         Record.load(tmp_path / "set.npz")
     np.save(tmp_path / "a.npy", np.zeros(3))
     with pytest.raises(RecordError, match="no record"):

@@ -62,6 +62,10 @@ static inline RayDirection ray_direction_of(const double* v) {
     return {d, norm(d)};
 }
 
+// A bound of ray parameters for hits within `max_distance` meters, rounded up: a hit at just this
+// distance would be lost by the rounding of the division. Its distance in meters decides.
+static inline double reach_of(double max_distance, double length) { return max_distance / length * (1 + 0x1p-50); }
+
 static inline Dims rows_of(const Array<double>& points) { return {points.dims.begin(), points.dims.end() - 1}; }
 
 static inline Array<double> directions_of(nb::handle value, const char* name) {

@@ -141,10 +141,12 @@ nb::object raycast(const Shape& s, nb::handle origins, nb::handle directions, nb
             const double* v = d.data() + 3 * shape.offset(1, i);
             const Rigid& pose = inverses[shape.offset(2, i)];
             const auto [direction, length] = ray_direction_of(v);
-            const RayHit hit =
-                kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}), rotate(pose, direction), max_distance / length);
-            at.data[i] = hit.face < 0 ? hit.distance : lesser(hit.distance * length, max_distance);
-            face.data[i] = hit.face;
+            const RayHit hit = kernels().raycast(s, apply(pose, {p[0], p[1], p[2]}), rotate(pose, direction),
+                                                 reach_of(max_distance, length));
+            const double meters = hit.distance * length;
+            const bool within = hit.face >= 0 && meters <= max_distance;
+            at.data[i] = within ? meters : HUGE_VAL;
+            face.data[i] = within ? hit.face : -1;
         }
     });
     return nb::make_tuple(at.array, face.array);

@@ -102,9 +102,11 @@ nb::object raycast(const World& w, nb::handle origins, nb::handle directions, nb
         for (int64_t i = first; i < last; ++i) {
             const double* p = o.data() + 3 * shape.offset(0, i);
             const auto [direction, length] = ray_direction_of(d.data() + 3 * shape.offset(1, i));
-            const WorldHit hit = w.raycast({p[0], p[1], p[2]}, direction, max_distance / length, skip);
-            distance.data[i] = hit.body < 0 ? hit.distance : lesser(hit.distance * length, max_distance);
-            body.data[i] = hit.body;
+            const WorldHit hit = w.raycast({p[0], p[1], p[2]}, direction, reach_of(max_distance, length), skip);
+            const double meters = hit.distance * length;
+            const bool within = hit.body >= 0 && meters <= max_distance;
+            distance.data[i] = within ? meters : HUGE_VAL;
+            body.data[i] = within ? hit.body : -1;
         }
     });
     return nb::make_tuple(distance.array, body.array);

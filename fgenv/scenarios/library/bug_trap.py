@@ -18,7 +18,7 @@ ROD = {"kind": "cylinder", "radius": 0.04, "length": 0.5}
 Throat = Annotated[float, Field(ge=0.05, le=0.4, strict=True)]
 
 
-@builtin(dimension=3, most=1)
+@builtin(dimension=3, most=1, driven=False)
 def bug_trap(seed: Seed = 0, throat: Throat = 0.1) -> Scenario:
     """A rod in a hollow ball has to find the narrow end of the funnel that leads in.
 

@@ -25,7 +25,7 @@ REACH = 0.8  # meters from the mover's origin to its farthest point
 SEEN_THROUGH = ("west", "east", "south", "north", "storey")  # in pictures
 
 
-@builtin(dimension=3, most=2)
+@builtin(dimension=3, most=2, driven=False)
 def cubicles(
     n: Annotated[int, Field(ge=1, le=2, strict=True)] = 1, seed: Seed = 0, layout: Seed = 0
 ) -> Scenario:

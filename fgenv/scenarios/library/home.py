@@ -43,7 +43,7 @@ FURNITURE = {  # x, y (m), yaw (rad)
 Door = Annotated[float, Field(ge=0.78, le=1.5, strict=True)]
 
 
-@builtin(dimension=3, most=1)
+@builtin(dimension=3, most=1, driven=False)
 def home(seed: Seed = 0, door: Door = 0.85) -> Scenario:
     """A table has to be carried through a furnished home, turned on its side in every door.
 

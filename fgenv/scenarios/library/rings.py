@@ -19,7 +19,7 @@ TURN = 6.9  # rad, that a ring's bar goes round: its ends overlap by a tenth
 Gap = Annotated[float, Field(ge=0.15, le=1.0, strict=True)]
 
 
-@builtin(dimension=3, most=1)
+@builtin(dimension=3, most=1, driven=False)
 def rings(seed: Seed = 0, gap: Gap = 0.15) -> Scenario:
     """Two linked rings have to be pulled apart through the gap between their ends, which overlap.
 

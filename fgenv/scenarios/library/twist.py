@@ -20,7 +20,7 @@ OUT, ASIDE = 0.9, 0.5  # meters from the wall's middle that the bar may be along
 Clear = Annotated[float, Field(ge=0.03, le=0.3, strict=True)]
 
 
-@builtin(dimension=3, most=1)
+@builtin(dimension=3, most=1, driven=False)
 def twist(seed: Seed = 0, clear: Clear = 0.2) -> Scenario:
     """A twisted bar has to screw itself through a narrow channel that turns by a right angle.
 
