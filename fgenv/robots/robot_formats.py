@@ -25,7 +25,7 @@ USD = (".usd", ".usda", ".usdc", ".usdz")
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What is taken of a robot file; see `Robot.load`."""
+    """Options of reading a robot file; see `Robot.load`."""
 
     packages: PackagePaths = field(default_factory=PackagePaths)
     collision: bool = True

@@ -339,8 +339,10 @@ def test_other_bad_input(tmp_path: Path, arm: Path) -> None:
         Robot.load(tmp_path)
     with pytest.raises(ValueError, match=r"Document is empty.*, expected a URDF file"):
         Robot.load(written(tmp_path, "", "empty.urdf"))
-    with pytest.raises(ValueError, match=r"expected XML|expected a URDF file"):
+    with pytest.raises(ValueError, match=r"got a mesh, expected a robot; use mesh or export"):
         Robot.load(written(tmp_path, "solid x", "mesh.urdf"))
+    with pytest.raises(ValueError, match=r"mesh\.urdf: line 1: got .*, expected XML"):
+        Robot.load(written(tmp_path, "words", "mesh.urdf"))
     with pytest.raises(FileNotFoundError, match=r"path: .* does not exist, expected an SRDF file"):
         Robot.load(arm, srdf=tmp_path / "none.srdf")
     with pytest.raises(ValueError, match=r"path: .*expected XML|expected an SRDF file"):
