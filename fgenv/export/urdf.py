@@ -18,6 +18,8 @@ from fgenv.saving import save_text
 
 from .meshes import PlacedMesh, write_meshes
 
+NOT_XML = re.compile("[^\\t\\n\\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
 
 def write_urdf(robot: Robot, path: str | Path) -> list[Path]:
     """Write a robot to a URDF file, its meshes as OBJ to the folder STEM_meshes beside it.
@@ -29,13 +31,15 @@ def write_urdf(robot: Robot, path: str | Path) -> list[Path]:
         The written files.
 
     Raises:
-        ValueError: the name does not end in .urdf, or a joint that URDF cannot hold: a limit on one
-            side only, a prismatic joint without limits, a limit of acceleration.
+        ValueError: the path does not end in .urdf, a name has control characters, or a joint that
+            URDF cannot hold: a limit on one side only, a prismatic joint without limits, a limit of
+            acceleration.
         OSError: a file cannot be written.
     """
     path = Path(path)
     if path.suffix != ".urdf":
         raise ValueError(f"path: got {path}, expected a name that ends in .urdf")
+    _check_names(robot)
     root = Element("robot", name=robot.name)
     joints = [_joint(joint) for joint in robot.joints]  # raises before anything is written
     folder = path.with_name(f"{path.stem}_meshes")
@@ -46,6 +50,15 @@ def write_urdf(robot: Robot, path: str | Path) -> list[Path]:
     _save(root, path)
     _save(_srdf(robot), srdf)
     return [path, srdf, *dict.fromkeys(folder / Path(name).name for name in files.values())]
+
+
+def _check_names(robot: Robot) -> None:
+    """Raise ValueError for a name with a character that XML cannot hold."""
+    named: tuple[Robot | Link | Joint, ...] = (robot, *robot.links, *robot.joints)
+    for item in named:
+        if NOT_XML.search(item.name):
+            kind = type(item).__name__.lower()
+            raise ValueError(f"{kind}: got the name {item.name!r}, expected no control characters")
 
 
 def _write_shapes(robot: Robot, folder: Path) -> dict[int, str]:

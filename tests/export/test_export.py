@@ -11,7 +11,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from support.mesh_files import MeshCase, mesh_cases
-from support.robots import URDFS, real
+from support.robots import BOX, URDFS, real
 
 from fgenv.collision import Shape
 from fgenv.collision.mesh_files.content import MeshSource
@@ -180,3 +180,31 @@ def test_wrong_targets(tmp_path: Path) -> None:
         write_meshes([], tmp_path / "a.stl")
     with pytest.raises(FileNotFoundError):
         write_meshes(parts, tmp_path / "none" / "a.stl")
+
+
+HOSTILE = (
+    *("</link><link name='x'>", "]]>", "&amp;", 'a"b', "a\nb", "a\tb", "../../up", "$(touch x)"),
+    *("\u202eb", "é 漢"),
+)
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_of_links_and_joints_come_back(name: str, tmp_path: Path) -> None:
+    """Nothing is written outside the folder, whatever the names."""
+    pair = [Link("a", BOX), Link(f"{name}L", BOX)]
+    joint = Joint(f"{name}J", "revolute", "a", f"{name}L", lower=-1.0, upper=1.0)
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    write_urdf(Robot(name, pair, [joint]), inside / "r.urdf")
+    back = Robot.load(inside / "r.urdf", srdf=inside / "r.srdf")
+    assert (back.name, back.links[1].name, back.joints[0].name) == (name, f"{name}L", f"{name}J")
+    assert [path for path in tmp_path.iterdir() if path != inside] == []
+
+
+@pytest.mark.parametrize("character", ["\0", "\x1b", "\x07", "\ufffe"])
+def test_names_that_xml_cannot_hold_are_refused(character: str, tmp_path: Path) -> None:
+    """A file was written that no reader accepts."""
+    robot = Robot("r", [Link(f"a{character}", BOX)])
+    with pytest.raises(ValueError, match=r"link: got the name .*, expected no control characters"):
+        write_urdf(robot, tmp_path / "r.urdf")
+    assert list(tmp_path.iterdir()) == []
