@@ -28,6 +28,7 @@ from fgenv.cli import (
     verify,
     view,
 )
+from fgenv.cli.console import set_quiet
 from fgenv.cli.errors import BAD_INPUT, INTERRUPTED, report
 
 EPILOG = """
@@ -58,6 +59,7 @@ EPILOG = """
   fgenv bench env                         compare simulation steps of many robots
   fgenv bench planners                    OMPL with checks of fgenv, python-fcl, coal
   fgenv bench fleets                      compare planning methods for many robots
+  fgenv --quiet eval swap --json          without progress, for scripts
   fgenv --install-completion              tab completion for your shell
 
 [bold]Exit codes[/bold]
@@ -94,7 +96,12 @@ def _common(
             "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
         ),
     ] = False,
+    quiet: Annotated[
+        bool,
+        typer.Option("--quiet", "-q", help="Print no progress, and no tables on stderr."),
+    ] = False,
 ) -> None:
+    set_quiet(quiet)
     if context.invoked_subcommand is None:
         print(context.get_help())
         raise typer.Exit(BAD_INPUT)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fgenv.cli.console import console_of
 from fgenv.cli.progress import status
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ class BenchReport:
     """
 
     def __init__(self, as_json: bool, **plots: Path | None) -> None:
-        from rich.console import Console
 
         from fgenv.view.figures.canvas import check_plot_path
 
@@ -39,7 +39,7 @@ class BenchReport:
             if path is not None:
                 check_plot_path(path, f"--{option}")
         self.as_json, self.plots = as_json, plots
-        self.console: Console = Console(stderr=as_json, highlight=False)
+        self.console: Console = console_of(as_json)
         self.document: dict[str, Any] = {}
 
     def machine(self, versions: Mapping[str, str] | None = None) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fgenv.cli.console import console_of
 from fgenv.cli.errors import FAILED_CHECK
 from fgenv.cli.options import Json, Seed
 from fgenv.cli.progress import status
@@ -52,13 +53,12 @@ def compare(
     Six pairs of real, concave meshes near contact, each method on the same poses in turns. Needs
     the bench extra: pip install "fgenv\\[bench]". Exit code 1 if the exact method is ever wrong.
     """
-    from rich.console import Console
 
     if not tolerance > 0.0:
         raise ValueError(f"tolerance: got {tolerance}, expected a share of the size above 0")
     from fgenv.bench.comparison import overall
 
-    console = Console(stderr=as_json, highlight=False)
+    console = console_of(as_json)
     results = measured_pairs(console, poses, seed, tolerance)
     rows = overall(results)
     show(console, "all pairs (counts summed; tests and µs: geometric means)", rows)

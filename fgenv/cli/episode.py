@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fgenv.cli.console import console_of
 from fgenv.cli.errors import fail_check
 from fgenv.cli.files import check_target, echo_written
 from fgenv.cli.progress import MAX_FPS, progress, write_episode_movie
@@ -43,13 +44,12 @@ def run_scenario(context: typer.Context, options: EpisodeOptions, as_json: bool)
     Raises:
         KeyboardInterrupt: the episode was interrupted; its finished part is reported and recorded.
     """
-    from rich.console import Console
 
     from fgenv.cli.episode_report import as_data, print_report
     from fgenv.envs import policy_of
     from fgenv.metrics import Results
 
-    console = Console(stderr=as_json, highlight=False)
+    console = console_of(as_json)
     check_targets(options)
     policy = policy_of(options.policy, options.seed, trust=options.trust)
     with warnings.catch_warnings(record=True) as caught:

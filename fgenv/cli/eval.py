@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fgenv.cli.completion import policy_names, scenario_names
+from fgenv.cli.console import console_of
 from fgenv.cli.files import check_target
 from fgenv.cli.options import (
     PLOT_SUFFIXES,
@@ -73,13 +74,12 @@ def evaluate(
     that all policies solve. Intervals have 95 % confidence. --seed is that of policies with
     random actions. After Ctrl-C the finished part is reported and written.
     """
-    from rich.console import Console
 
     from fgenv.agents.evaluation.evaluation import Evaluation
     from fgenv.cli.evaluation_report import as_data, print_report
     from fgenv.envs import policy_of
 
-    console = Console(stderr=as_json, highlight=False)
+    console = console_of(as_json)
     check_targets(csv, plot)
     names = tuple(policy or ["goto"])
     check_trust(trust, names)

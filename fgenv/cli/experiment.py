@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from fgenv.cli.console import console_of
 from fgenv.cli.errors import FAILED_CHECK
 from fgenv.cli.progress import status
 
@@ -28,7 +29,6 @@ def run_published(
     as_json: bool,
 ) -> None:
     """Run and print the experiment; exit with FAILED_CHECK unless it comes out as published."""
-    from rich.console import Console
 
     from fgenv.paper.experiment import run_experiment
     from fgenv.paper.report import ConsoleReport, as_data
@@ -38,7 +38,7 @@ def run_published(
         raise ValueError(f"--step: got {step}, expected meters, above 0 and not above 1")
     if not 0 < scale < float("inf"):
         raise ValueError(f"--scale: got {scale}, expected a factor above 0")
-    report = ConsoleReport(Console(stderr=as_json, highlight=False))
+    report = ConsoleReport(console_of(as_json))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         problem = three_tanks(mesh, scale=scale)

@@ -9,6 +9,8 @@ from pathlib import Path
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
+from fgenv.cli.console import is_quiet
+
 if TYPE_CHECKING:
     from rich.progress import Progress, ProgressColumn
 
@@ -65,16 +67,18 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def shown_on_stderr(*columns: ProgressColumn) -> Iterator[Progress]:
-    """Show tasks in these columns on a terminal, else as lines of text."""
+    """Show tasks in these columns on a terminal, else as lines of text; nothing if quiet."""
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console(stderr=True, highlight=False)
-    hidden = not console.is_terminal
+    quiet = is_quiet()
+    hidden = quiet or not console.is_terminal
+    lines = hidden and not quiet
     # Output to the same terminal goes above the bar; output to a pipe must stay there.
     options: dict[str, Any] = {"transient": True, "redirect_stdout": sys.stdout.isatty()}
     bar = Progress(*columns, console=console, disable=hidden, **options)
-    with bar, repeated(lambda: print_tasks(bar)) if hidden else nullcontext():
+    with bar, repeated(lambda: print_tasks(bar)) if lines else nullcontext():
         yield bar
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fgenv.cli.completion import scenario_names
+from fgenv.cli.console import console_of
 from fgenv.cli.options import ROBOTS_HELP, Json, Seed, Settings, Size
 from fgenv.cli.scenario_options import overrides_from
 
@@ -73,7 +74,6 @@ def train(
 
     Needs the agents extra: pip install "fgenv\\[agents]".
     """
-    from rich.console import Console
 
     if algo != "ppo":
         raise ValueError(f"--algo: got {algo!r}, expected ppo")
@@ -81,7 +81,7 @@ def train(
     from fgenv.agents.training.recipes import recipe_of
     from fgenv.agents.training.training import Training
 
-    console = Console(stderr=as_json, highlight=False)
+    console = console_of(as_json)
     overrides = overrides_from(n, size, set)
     recipe = recipe_of(scenario, overrides)
     total = steps or recipe.steps
