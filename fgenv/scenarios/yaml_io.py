@@ -20,6 +20,7 @@ from .yaml_core import (
     AMBIGUOUS,
     DIFFERENCE,
     TEXT,
+    FastLoader,
     Loader,
     check_aliases,
     implicit_resolvers,
@@ -28,6 +29,7 @@ from .yaml_core import (
 )
 
 LONGEST = 50_000_000  # characters of a file
+LARGE = 100_000  # characters from which libyaml reads a file
 WIDTH = 100
 Location = Sequence[str | int]
 AnyScenario = TypeVar("AnyScenario", bound=ScenarioSpec)
@@ -57,11 +59,11 @@ class Document:
         return 1 if line is None and self.root is not None else line
 
 
-def read(path: Path, loader: type[Any] = Loader) -> Document:
+def read(path: Path, loader: type[Any] | None = None) -> Document:
     """Parse a file.
 
     Args:
-        loader: `Loader` or `FastLoader`.
+        loader: see `parse`.
 
     Raises:
         ScenarioError: not a regular file, too large, not text, or not YAML; with the line.
@@ -82,11 +84,17 @@ def read(path: Path, loader: type[Any] = Loader) -> Document:
     return parse(text, path, loader)
 
 
-def parse(text: str, path: Path, loader: type[Any] = Loader) -> Document:
-    """Parse text; `path` is for messages."""
+def parse(text: str, path: Path, loader: type[Any] | None = None) -> Document:
+    """Parse text; `path` is for messages.
+
+    Args:
+        loader: `Loader` or `FastLoader`; None: by the length of the text. PyYAML's own loader has
+            the better messages, and takes 10 s for a megabyte.
+    """
     if len(text) > LONGEST:
         raise ScenarioError(path, [Problem(f"is over {LONGEST} characters", "split it")])
     reader = None
+    loader = loader or (FastLoader if len(text) > LARGE else Loader)
     try:
         reader = loader(text)
         root = single_document(reader)
