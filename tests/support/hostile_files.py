@@ -21,7 +21,7 @@ MAX_SECONDS = 10
 MAX_BYTES = 2 << 30
 NUMBER = re.compile(rb"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
 NUMBERS = (b"1e308", b"-1", b"nan", b"99999999999", b"1e-320")
-REPEATED = 20_000  # lines
+REPEATED = 8_000  # lines
 DEPTH = 50_000
 
 
